@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "cairn/geometry/se2.hpp"
+
+#include <cmath>
+
+namespace cairn {
+namespace {
+
+// sin(t)/t and (1 - cos(t))/t; series below 1e-4, where the next term is under 1e-18.
+struct VCoefficients {
+  double a, b;
+};
+VCoefficients v_coefficients(double theta) {
+  if (std::abs(theta) < 1e-4) {
+    const double t2 = theta * theta;
+    return {1.0 - t2 / 6.0, theta * (0.5 - t2 / 24.0)};
+  }
+  const double sin_half = std::sin(0.5 * theta);
+  return {std::sin(theta) / theta, 2.0 * sin_half * sin_half / theta};
+}
+
+}  // namespace
+
+Se2 Se2::exp(const Tangent& delta) {
+  const auto [a, b] = v_coefficients(delta.z());
+  return {So2(delta.z()), {a * delta.x() - b * delta.y(), b * delta.x() + a * delta.y()}};
+}
+
+Se2::Tangent Se2::log() const {
+  const double theta = rotation_.angle();
+  const auto [a, b] = v_coefficients(theta);
+  const double scale = 1.0 / (a * a + b * b);  // V^-1 = [a b; -b a] / (a^2 + b^2)
+  return {scale * (a * x() + b * y()), scale * (a * y() - b * x()), theta};
+}
+
+Eigen::Matrix3d Se2::adjoint() const {
+  Eigen::Matrix3d adjoint;
+  adjoint << rotation_.cos(), -rotation_.sin(), y(),  //
+      rotation_.sin(), rotation_.cos(), -x(),         //
+      0.0, 0.0, 1.0;
+  return adjoint;
+}
+
+}  // namespace cairn

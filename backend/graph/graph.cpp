@@ -1,0 +1,145 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "cairn/graph/graph.hpp"
+
+#include <algorithm>
+
+namespace cairn {
+
+Graph::Graph(const Graph& other)
+    : variables_(other.variables_),
+      values_(other.values_),
+      slots_(other.slots_),
+      slot_of_id_(other.slot_of_id_),
+      batch_types_(other.batch_types_),
+      factor_order_(other.factor_order_) {
+  batches_.reserve(other.batches_.size());
+  for (const auto& batch : other.batches_) batches_.push_back(batch->clone());
+}
+
+Graph& Graph::operator=(const Graph& other) {
+  if (this != &other) *this = Graph(other);
+  return *this;
+}
+
+Result<VariableSlot> Graph::add_variable(VariableId id, VariableType type, std::size_t index) {
+  const auto slot = static_cast<VariableSlot>(variables_.size());
+  if (!slot_of_id_.emplace(id, slot).second) {
+    return Error{ErrorCode::kBadInput, "variable " + std::to_string(id.value) + " is defined twice"};
+  }
+  variables_.push_back({id, type, static_cast<std::uint32_t>(index), false});
+  slots_[static_cast<std::size_t>(type)].push_back(slot);
+  return slot;
+}
+
+Result<VariableSlot> Graph::add_pose2(VariableId id, const Se2& T_map_body) {
+  auto slot = add_variable(id, VariableType::kPose2, values_.pose2.size());
+  if (slot) values_.pose2.push_back(T_map_body);
+  return slot;
+}
+
+Result<VariableSlot> Graph::add_pose3(VariableId id, const Se3& T_map_body) {
+  auto slot = add_variable(id, VariableType::kPose3, values_.pose3.size());
+  if (slot) values_.pose3.push_back(T_map_body);
+  return slot;
+}
+
+Result<VariableSlot> Graph::add_point2(VariableId id, const Eigen::Vector2d& p_map) {
+  auto slot = add_variable(id, VariableType::kPoint2, values_.point2.size());
+  if (slot) values_.point2.push_back(p_map);
+  return slot;
+}
+
+Result<VariableSlot> Graph::add_point3(VariableId id, const Eigen::Vector3d& p_map) {
+  auto slot = add_variable(id, VariableType::kPoint3, values_.point3.size());
+  if (slot) values_.point3.push_back(p_map);
+  return slot;
+}
+
+std::optional<VariableSlot> Graph::find(VariableId id) const {
+  const auto found = slot_of_id_.find(id);
+  if (found == slot_of_id_.end()) return std::nullopt;
+  return found->second;
+}
+
+std::vector<VariableSlot> Graph::slots_of(FactorRef factor) const {
+  const FactorBatch& batch = *batches_[factor.batch];
+  const std::span<const VariableType> signature = batch.signature();
+  std::vector<VariableSlot> slots;
+  slots.reserve(signature.size());
+  for (std::size_t k = 0; k < signature.size(); ++k) {
+    slots.push_back(slot_of(signature[k], batch.variable_indices()[factor.index * signature.size() + k]));
+  }
+  return slots;
+}
+
+namespace {
+
+bool is_relative_pose_batch(const FactorBatch& batch) {
+  const auto signature = batch.signature();
+  return signature.size() == 2 && is_pose(signature[0]) && is_pose(signature[1]);
+}
+
+// For each pose slot, the slot of the next pose id of the same robot (or itself at the end of a trajectory).
+std::vector<VariableSlot> successors(const Graph& graph) {
+  const auto variables = graph.variables();
+  std::vector<VariableSlot> poses, next(variables.size());
+  for (VariableSlot s = 0; s < variables.size(); ++s) {
+    next[s] = s;
+    if (is_pose(variables[s].type)) poses.push_back(s);
+  }
+  const auto by_id = [&](VariableSlot a, VariableSlot b) { return variables[a].id < variables[b].id; };
+  if (!std::is_sorted(poses.begin(), poses.end(), by_id)) std::sort(poses.begin(), poses.end(), by_id);
+  for (std::size_t i = 1; i < poses.size(); ++i) {
+    const bool same_robot = variables[poses[i - 1]].id.value >> 56 == variables[poses[i]].id.value >> 56;
+    if (same_robot) next[poses[i - 1]] = poses[i];
+  }
+  return next;
+}
+
+}  // namespace
+
+void classify_factor_kinds(Graph& graph) {
+  const std::vector<VariableSlot> next = successors(graph);
+  std::vector<bool> has_odometry(next.size(), false);  // for the pair (slot, next[slot])
+  const auto pair_start = [&](const std::vector<VariableSlot>& slots) -> std::optional<VariableSlot> {
+    if (next[slots[0]] == slots[1]) return slots[0];
+    if (next[slots[1]] == slots[0]) return slots[1];
+    return std::nullopt;
+  };
+  for (const FactorRef factor : graph.factors()) {
+    const FactorBatch& batch = *graph.batches()[factor.batch];
+    if (!is_relative_pose_batch(batch) || batch.kinds()[factor.index] != FactorKind::kOdometry) continue;
+    if (const auto start = pair_start(graph.slots_of(factor))) has_odometry[*start] = true;
+  }
+  for (const FactorRef factor : graph.factors()) {
+    const FactorBatch& batch = *graph.batches()[factor.batch];
+    if (!is_relative_pose_batch(batch) || batch.kinds()[factor.index] == FactorKind::kOdometry) continue;
+    const auto start = pair_start(graph.slots_of(factor));
+    const bool odometry = start && !has_odometry[*start];
+    if (odometry) has_odometry[*start] = true;
+    graph.set_kind(factor, odometry ? FactorKind::kOdometry : FactorKind::kLoop);
+  }
+}
+
+namespace internal {
+
+Error unknown_variable(VariableId id) {
+  return {ErrorCode::kBadInput, "factor refers to variable " + std::to_string(id.value) + ", which is not defined"};
+}
+
+Error wrong_variable_type(VariableId id, VariableType expected, VariableType found) {
+  return {ErrorCode::kBadInput, "variable " + std::to_string(id.value) + " is a " + std::string(to_string(found)) +
+                                    ", but the factor needs a " + std::string(to_string(expected))};
+}
+
+Error repeated_variable(VariableId id) {
+  return {ErrorCode::kBadInput, "factor connects variable " + std::to_string(id.value) + " with itself"};
+}
+
+Error invalid_information(std::string_view factor_name) {
+  return {ErrorCode::kBadInput,
+          std::string(factor_name) + " information is not finite and positive semidefinite"};
+}
+
+}  // namespace internal
+}  // namespace cairn

@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <functional>
+
+#include "cairn/graph/factor_batch.hpp"
+#include "cairn/graph/robust_loss.hpp"
+
+namespace cairn {
+
+enum class Method { kLevenbergMarquardt, kGaussNewton, kDogleg };
+enum class LinearBackend { kCholmod, kCeres, kEigen, kPcg };
+enum class InitMethod { kAuto, kFile, kOdometry, kTree, kChordal };
+
+struct IterationReport {
+  double chi2 = 0.0;    ///< at the best iterate after this iteration
+  double lambda = 0.0;  ///< damping (dogleg: trust radius)
+  bool accepted = false;
+  double linearize_s = 0.0, factorize_s = 0.0, solve_s = 0.0, total_s = 0.0;
+};
+
+struct SolveOptions {
+  Method method = Method::kLevenbergMarquardt;
+  LinearBackend linear = LinearBackend::kCholmod;
+  InitMethod init = InitMethod::kFile;
+  int max_iterations = 100;
+  RobustLoss loss{};
+  bool loss_on_loops_only = false;
+  ErrorChart chart = ErrorChart::kG2o;
+  int threads = 1;  ///< for linearization; results do not depend on it
+  /// Called after each iteration from the solving thread (number from 1, report). Return false to stop early:
+  /// the best iterate so far is kept and the stop reason is kInterrupted.
+  std::function<bool(int, const IterationReport&)> on_iteration{};
+};
+
+}  // namespace cairn
