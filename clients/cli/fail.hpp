@@ -1,0 +1,16 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdio>
+
+#include "cairn/core/result.hpp"
+
+namespace cairn::cli {
+
+/// Prints an error to standard error, place first, and gives the exit code that belongs to it.
+inline int fail(const Error& error) {
+  std::fprintf(stderr, "%s\n", error.to_string().c_str());
+  return static_cast<int>(error.code);
+}
+
+}  // namespace cairn::cli
