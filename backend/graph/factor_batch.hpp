@@ -99,6 +99,10 @@ class FactorBatch {
                               const NormalEquationTargets& targets) const = 0;
   /// One factor, whitened, without loss.
   [[nodiscard]] virtual FactorEvaluation evaluate(std::size_t factor, const EvaluationContext& context) const = 0;
+  /// As evaluate, into arrays and without allocation: `jacobians[k]` is column-major residual_dimension() x tangent
+  /// dimension of variable k. `jacobians` or any entry of it may be null.
+  virtual void evaluate_into(std::size_t factor, const EvaluationContext& context, double* residual,
+                             double* const* jacobians) const = 0;
   /// Per-factor e^T Omega e for [begin, end) into `chi2`.
   virtual void evaluate_chi2(std::size_t begin, std::size_t end, const EvaluationContext& context,
                              double* chi2) const = 0;

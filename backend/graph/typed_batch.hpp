@@ -90,6 +90,11 @@ class TypedBatch final : public FactorBatch {
     return evaluate_one(i, context, std::make_index_sequence<kArity>());
   }
 
+  void evaluate_into(std::size_t i, const EvaluationContext& context, double* residual,
+                     double* const* jacobians) const override {
+    evaluate_one_into(i, context, residual, jacobians, std::make_index_sequence<kArity>());
+  }
+
   [[nodiscard]] std::vector<RelativePose<Se2>> relative_poses2() const override { return relative_poses<Se2>(); }
   [[nodiscard]] std::vector<RelativePose<Se3>> relative_poses3() const override { return relative_poses<Se3>(); }
   bool predict_last(std::size_t i, Values& values) const override {
@@ -132,6 +137,24 @@ class TypedBatch final : public FactorBatch {
         factors_[i].error(value<k>(i, context.values)..., context.chart, &std::get<k>(J)...);
     const InformationMatrix U = sqrt_information<kDimension>(information(i, context.chart));
     return {U * e, {Eigen::MatrixXd(U * std::get<k>(J))...}};
+  }
+
+  template <std::size_t... k>
+  void evaluate_one_into(std::size_t i, const EvaluationContext& context, double* residual, double* const* jacobians,
+                         std::index_sequence<k...>) const {
+    const InformationMatrix U = sqrt_information<kDimension>(information(i, context.chart));
+    Eigen::Map<ErrorVector> r(residual);
+    if (!jacobians) {
+      r.noalias() = U.lazyProduct(error(i, context));
+      return;
+    }
+    std::tuple<Jacobian<k>...> J;
+    r.noalias() = U.lazyProduct(factors_[i].error(value<k>(i, context.values)..., context.chart, &std::get<k>(J)...));
+    const auto whiten = [&](double* out, const auto& J_e_x) {
+      using Matrix = std::remove_cvref_t<decltype(J_e_x)>;
+      if (out) Eigen::Map<Matrix>(out).noalias() = U.lazyProduct(J_e_x);
+    };
+    (whiten(jacobians[k], std::get<k>(J)), ...);
   }
 
   // H_kl = J_k^T (w Omega) J_l and g_k = J_k^T (w Omega) e, written to the factor's own places.
