@@ -10,8 +10,8 @@ namespace cairn {
 using Vector6d = Eigen::Matrix<double, 6, 1>;
 using Matrix6d = Eigen::Matrix<double, 6, 6>;
 
-/// The error vector of a pose error E (identity when prediction equals measurement), shared by every factor that
-/// measures a pose. J_e_right = d e / d delta for E * Exp(delta).
+/// The error vector of a pose error E (identity when prediction equals measurement), shared by
+/// every factor that measures a pose. J_e_right = d e / d delta for E * Exp(delta).
 inline Eigen::Vector3d pose_error(const Se2& E, Eigen::Matrix3d* J_e_right) {
   if (J_e_right) {
     *J_e_right << E.rotation().cos(), -E.rotation().sin(), 0.0,  //
@@ -21,7 +21,8 @@ inline Eigen::Vector3d pose_error(const Se2& E, Eigen::Matrix3d* J_e_right) {
   return E.to_vector();
 }
 
-/// As above in space. kG2o: (t, 2 x imaginary part of the quaternion with w >= 0); kLog and kGtsam: Log(E).
+/// As above in space. kG2o: (t, 2 x imaginary part of the quaternion with w >= 0); kLog and kGtsam:
+/// Log(E).
 inline Vector6d pose_error(const Se3& E, ErrorChart chart, Matrix6d* J_e_right) {
   Vector6d e;
   if (chart != ErrorChart::kG2o) {
@@ -36,13 +37,14 @@ inline Vector6d pose_error(const Se3& E, ErrorChart chart, Matrix6d* J_e_right) 
   if (J_e_right) {  // q * Exp(d): d vec = (w I + [vec]x) d / 2
     J_e_right->setZero();
     J_e_right->topLeftCorner<3, 3>() = E.rotation().matrix();
-    J_e_right->bottomRightCorner<3, 3>() = sign * (q.w() * Eigen::Matrix3d::Identity() + skew(q.vec()));
+    J_e_right->bottomRightCorner<3, 3>() =
+        sign * (q.w() * Eigen::Matrix3d::Identity() + skew(q.vec()));
   }
   return e;
 }
 
-/// Information as the chart weighs it. GTSAM takes a file's SE(3) numbers without the rescaling to radians
-/// (rotation block x4, mixed block x2).
+/// Information as the chart weighs it. GTSAM takes a file's SE(3) numbers without the rescaling to
+/// radians (rotation block x4, mixed block x2).
 inline Matrix6d pose_information(const Matrix6d& information, ErrorChart chart) {
   if (chart != ErrorChart::kGtsam) return information;
   Matrix6d scaled = information;
@@ -52,8 +54,9 @@ inline Matrix6d pose_information(const Matrix6d& information, ErrorChart chart) 
   return scaled;
 }
 
-/// Isotropic weights of a pose information, for initialization: 2 / tr(Omega_t^-1) and Omega_r in the plane,
-/// 3 / tr(Omega_t^-1) and 3 / tr(Omega_r^-1) in space (the exact covariance blocks are not needed for a start).
+/// Isotropic weights of a pose information, for initialization: 2 / tr(Omega_t^-1) and Omega_r in
+/// the plane, 3 / tr(Omega_t^-1) and 3 / tr(Omega_r^-1) in space (the exact covariance blocks are
+/// not needed for a start).
 struct IsotropicWeights {
   double translation;  ///< 1/m^2
   double rotation;     ///< 1/rad^2
