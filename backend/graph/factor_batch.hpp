@@ -78,6 +78,8 @@ class FactorBatch {
  public:
   virtual ~FactorBatch() = default;
   [[nodiscard]] virtual std::unique_ptr<FactorBatch> clone() const = 0;
+  /// A batch of some of the factors, on the same variables.
+  [[nodiscard]] virtual std::unique_ptr<FactorBatch> select(std::span<const std::uint32_t> factors) const = 0;
 
   [[nodiscard]] virtual std::string_view type_name() const = 0;
   [[nodiscard]] virtual std::span<const VariableType> signature() const = 0;

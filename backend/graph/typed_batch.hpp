@@ -52,6 +52,15 @@ class TypedBatch final : public FactorBatch {
   [[nodiscard]] std::span<const F> factors() const { return factors_; }
 
   [[nodiscard]] std::unique_ptr<FactorBatch> clone() const override { return std::make_unique<TypedBatch>(*this); }
+  [[nodiscard]] std::unique_ptr<FactorBatch> select(std::span<const std::uint32_t> chosen) const override {
+    auto selection = std::make_unique<TypedBatch>();
+    for (const std::uint32_t i : chosen) {
+      std::array<std::uint32_t, kArity> indices;
+      for (std::size_t k = 0; k < kArity; ++k) indices[k] = variable_indices_[i * kArity + k];
+      selection->add(factors_[i], indices, kinds_[i]);
+    }
+    return selection;
+  }
   [[nodiscard]] std::string_view type_name() const override { return F::kName; }
   [[nodiscard]] std::span<const VariableType> signature() const override { return Variables::kArray; }
   [[nodiscard]] int residual_dimension() const override { return kDimension; }

@@ -101,4 +101,24 @@ BlockPattern BlockPattern::build(const BlockGraph& graph, std::span<const int> p
   return pattern;
 }
 
+void multiply(const BlockPattern& pattern, const double* values, const double* x, double* y) {
+  std::fill_n(y, pattern.scalar_size(), 0.0);
+  for (int j = 0; j < pattern.size(); ++j) {
+    for (int column = 0; column < pattern.dimension[j]; ++column) {
+      const double* panel_column = values + pattern.value_begin[j] + static_cast<std::size_t>(column) * pattern.height[j];
+      const int own = pattern.scalar_begin[j] + column;
+      double dot = 0.0;  // rows below the diagonal block also act as columns
+      for (int k = pattern.column_begin[j]; k < pattern.column_begin[j + 1]; ++k) {
+        const int first = pattern.scalar_begin[pattern.row[k]];
+        const double* block = panel_column + pattern.row_offset[k];
+        for (int r = 0; r < pattern.dimension[pattern.row[k]]; ++r) {
+          y[first + r] += block[r] * x[own];
+          if (pattern.row[k] != j) dot += block[r] * x[first + r];
+        }
+      }
+      y[own] += dot;
+    }
+  }
+}
+
 }  // namespace cairn

@@ -42,4 +42,7 @@ struct BlockPattern {
                             std::span<const int> dimension);
 };
 
+/// y = A x for the symmetric A with this pattern and values; x and y differ.
+void multiply(const BlockPattern& pattern, const double* values, const double* x, double* y);
+
 }  // namespace cairn

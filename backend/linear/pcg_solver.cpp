@@ -34,7 +34,7 @@ class PcgSolver final : public LinearSolver {
     Eigen::VectorXd z = precondition(r), p = z;
     double rz = r.dot(z);
     for (int iteration = 0; iteration < kMaxIterations && r.norm() > target; ++iteration) {
-      const Eigen::VectorXd Ap = multiply(p);
+      const Eigen::VectorXd Ap = multiply_by(p);
       const double alpha = rz / p.dot(Ap);
       if (!std::isfinite(alpha)) break;
       solution += alpha * p;
@@ -65,19 +65,9 @@ class PcgSolver final : public LinearSolver {
     return z;
   }
 
-  // y = A p from the lower triangle, block by block.
-  [[nodiscard]] Eigen::VectorXd multiply(const Eigen::VectorXd& p) const {
-    Eigen::VectorXd y = Eigen::VectorXd::Zero(p.size());
-    for (int j = 0; j < pattern_->size(); ++j) {
-      const auto column = panel(j);
-      const int first = pattern_->scalar_begin[j], d = pattern_->dimension[j];
-      for (int k = pattern_->column_begin[j]; k < pattern_->column_begin[j + 1]; ++k) {
-        const int i = pattern_->row[k], row_first = pattern_->scalar_begin[i], row_d = pattern_->dimension[i];
-        const auto block = column.middleRows(pattern_->row_offset[k], row_d);
-        y.segment(row_first, row_d).noalias() += block * p.segment(first, d);
-        if (i != j) y.segment(first, d).noalias() += block.transpose() * p.segment(row_first, row_d);
-      }
-    }
+  [[nodiscard]] Eigen::VectorXd multiply_by(const Eigen::VectorXd& p) const {
+    Eigen::VectorXd y(p.size());
+    multiply(*pattern_, values_, p.data(), y.data());
     return y;
   }
 

@@ -1,0 +1,174 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "cairn/solver/minimizer.hpp"
+
+#include <cmath>
+#include <limits>
+
+#include "cairn/core/stopwatch.hpp"
+#include "cairn/solver/step.hpp"
+
+namespace cairn {
+namespace {
+
+// A step that promises less than this part of the cost is the last one.
+constexpr double kSmallDecrease = 1e-8;
+// m, rad: below what any sensor or controller can tell.
+constexpr double kSmallStep = 1e-11;
+// Gauss-Newton may climb out of a bad start, but not for ever.
+constexpr int kMaxIncreases = 20;
+
+// One run of the loop: linearize -> propose -> retract -> judge -> accept or reject.
+class Minimizer {
+ public:
+  Minimizer(NormalEquations& equations, LinearSolver& linear, const SolveOptions& options, ThreadPool& pool,
+            Values& values, RangeCost initial)
+      : equations_(equations),
+        linear_(linear),
+        options_(options),
+        pool_(pool),
+        best_(values),
+        strategy_(make_step_strategy(options.method)),
+        cost_(initial),
+        best_cost_(initial) {
+    result_.initial = initial;
+  }
+
+  MinimizerResult run() {
+    current_ = best_;
+    result_.reason = iterate();
+    result_.final = best_cost_;
+    if (result_.reason != StopReason::kNotFinite) predict_remaining_decrease();
+    return std::move(result_);
+  }
+
+ private:
+  StopReason iterate() {
+    if (!std::isfinite(cost_.cost)) return StopReason::kNotFinite;
+    if (is_stationary()) return StopReason::kGradient;
+    for (int number = 1; number <= options_.max_iterations; ++number) {
+      const Stopwatch watch;
+      IterationReport report;
+      report.lambda = strategy_->lambda();
+      const std::optional<StopReason> stop = one_iteration(report);
+      report.chi2 = best_cost_.chi2;
+      report.total_s = watch.seconds();
+      result_.iterations.push_back(report);
+      const bool go_on = !options_.on_iteration || options_.on_iteration(number, report);
+      if (stop) return *stop;
+      if (!go_on) return StopReason::kInterrupted;
+    }
+    return StopReason::kIterationLimit;
+  }
+
+  // Nothing where the loop shall go on.
+  std::optional<StopReason> one_iteration(IterationReport& report) {
+    if (!linearized_at_current_) relinearize(report);
+    StepTimes times;
+    const Step step = strategy_->propose(equations_, linear_, times);
+    report.factorize_s = times.factorize_s;
+    report.solve_s = times.solve_s;
+    if (!step.valid) return reject();
+    const bool last = step.newton && step.predicted_decrease <= kSmallDecrease * cost_.cost;
+    const bool small_step = step.dx.size() == 0 || step.dx.cwiseAbs().maxCoeff() <= kSmallStep;
+    equations_.retract(current_, step.dx, trial_);
+    const RangeCost trial_cost = evaluate_trial(last || small_step, report);
+    const double gain = cost_.cost - trial_cost.cost;
+    const bool better = gain >= 0.0;
+    if (better || (strategy_->accepts_increase() && std::isfinite(trial_cost.cost) && increases_ < kMaxIncreases)) {
+      increases_ = better ? 0 : increases_ + 1;
+      report.accepted = true;
+      accept(trial_cost, gain / step.predicted_decrease);
+    }
+    if (last) return StopReason::kSmallDecrease;
+    if (small_step) return StopReason::kSmallStep;
+    if (report.accepted) return is_stationary() ? std::optional(StopReason::kGradient) : std::nullopt;
+    // What cannot be improved by a step that promised next to nothing is rounding.
+    if (step.predicted_decrease <= kSmallDecrease * cost_.cost) return StopReason::kSmallDecrease;
+    return reject();
+  }
+
+  // Linearizes at the trial, speculating that it will be accepted; the last step needs its cost only.
+  RangeCost evaluate_trial(bool cost_only, IterationReport& report) {
+    const Stopwatch watch;
+    const RangeCost cost = cost_only ? equations_.evaluate_cost(context(trial_), pool_)
+                                     : equations_.linearize(context(trial_), pool_);
+    linearized_at_current_ = false;
+    linearized_at_trial_ = !cost_only;
+    report.linearize_s += watch.seconds();
+    return cost;
+  }
+
+  void accept(const RangeCost& trial_cost, double gain_ratio) {
+    std::swap(current_, trial_);
+    cost_ = trial_cost;
+    linearized_at_current_ = linearized_at_trial_;
+    strategy_->accepted(gain_ratio);
+    if (cost_.cost <= best_cost_.cost) {
+      best_ = current_;
+      best_cost_ = cost_;
+    }
+  }
+
+  std::optional<StopReason> reject() {
+    strategy_->rejected();
+    if (strategy_->exhausted()) return StopReason::kLambdaExhausted;
+    return std::nullopt;
+  }
+
+  void relinearize(IterationReport& report) {
+    const Stopwatch watch;
+    equations_.linearize(context(current_), pool_);
+    linearized_at_current_ = true;
+    report.linearize_s += watch.seconds();
+  }
+
+  // g^T diag(H)^-1 g bounds what single variables could gain; at rounding level nothing is left to do.
+  [[nodiscard]] bool is_stationary() const {
+    if (!linearized_at_current_) return false;
+    const Eigen::VectorXd& g = equations_.gradient();
+    const Eigen::VectorXd& D = equations_.diagonal();
+    double decrease = 0.0;
+    for (Eigen::Index i = 0; i < g.size(); ++i) {
+      if (D[i] > 0.0) decrease += g[i] * g[i] / D[i];
+    }
+    return decrease <= 1e-24 * (1.0 + cost_.cost);
+  }
+
+  // Needed only where the loop did not end by itself: is the result usable nevertheless?
+  void predict_remaining_decrease() {
+    const bool converged = result_.reason == StopReason::kSmallDecrease || result_.reason == StopReason::kSmallStep ||
+                           result_.reason == StopReason::kGradient;
+    if (converged) return;
+    equations_.linearize(context(best_), pool_);
+    StepTimes times;
+    const Step step = make_step_strategy(Method::kGaussNewton)->propose(equations_, linear_, times);
+    result_.predicted_chi2_decrease =
+        step.valid ? 2.0 * step.predicted_decrease : std::numeric_limits<double>::infinity();
+  }
+
+  [[nodiscard]] EvaluationContext context(const Values& values) const {
+    return {values, options_.chart, options_.loss, options_.loss_on_loops_only};
+  }
+
+  NormalEquations& equations_;
+  LinearSolver& linear_;
+  const SolveOptions& options_;
+  ThreadPool& pool_;
+  Values& best_;
+  Values current_, trial_;
+  std::unique_ptr<StepStrategy> strategy_;
+  RangeCost cost_, best_cost_;
+  bool linearized_at_current_ = true;
+  bool linearized_at_trial_ = false;
+  int increases_ = 0;
+  MinimizerResult result_;
+};
+
+}  // namespace
+
+MinimizerResult minimize(NormalEquations& equations, LinearSolver& linear, const SolveOptions& options,
+                         ThreadPool& pool, Values& values, RangeCost initial) {
+  return Minimizer(equations, linear, options, pool, values, initial).run();
+}
+
+}  // namespace cairn

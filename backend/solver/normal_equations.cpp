@@ -1,0 +1,234 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "cairn/solver/normal_equations.hpp"
+
+#include <algorithm>
+
+namespace cairn {
+namespace {
+
+// Fixed sizes: sums over chunks must not depend on the number of threads.
+constexpr std::size_t kFactorsPerChunk = 256;
+constexpr int kBlocksPerChunk = 512;
+
+constexpr std::size_t scratch_size(int dimension) {
+  return static_cast<std::size_t>(dimension) * (static_cast<std::size_t>(dimension) + 1);
+}
+
+std::vector<int> block_dimensions(const Problem& problem, const UnknownLayout& layout) {
+  std::vector<int> dimensions(layout.slot_of_block.size());
+  for (std::size_t j = 0; j < dimensions.size(); ++j) {
+    dimensions[j] = tangent_dimension(problem.graph->variables()[layout.slot_of_block[j]].type);
+  }
+  return dimensions;
+}
+
+// H_v += contributions of all factors on v, in factor order; then the gradient likewise.
+template <int d>
+void sum_contributions(const double* first, const double* last, double* block, int leading_dimension, double* g) {
+  Eigen::Matrix<double, d * (d + 1), 1> sum = Eigen::Matrix<double, d * (d + 1), 1>::Zero();
+  for (; first != last; first += d * (d + 1)) sum += Eigen::Map<const Eigen::Matrix<double, d * (d + 1), 1>>(first);
+  for (int column = 0; column < d; ++column) {
+    for (int row = 0; row < d; ++row) block[column * leading_dimension + row] = sum[column * d + row];
+    g[column] = sum[d * d + column];
+  }
+}
+
+}  // namespace
+
+UnknownLayout::UnknownLayout(const Problem& problem) : block_of_slot(problem.held.size(), -1) {
+  std::vector<int> unknown_slots;
+  for (std::size_t slot = 0; slot < problem.held.size(); ++slot) {
+    if (problem.held[slot]) continue;
+    block_of_slot[slot] = static_cast<int>(unknown_slots.size());
+    unknown_slots.push_back(static_cast<int>(slot));
+  }
+  std::vector<std::pair<int, int>> pairs = problem.coupled_slots();
+  std::size_t kept = 0;
+  for (const auto& [k, l] : pairs) {
+    if (block_of_slot[k] >= 0 && block_of_slot[l] >= 0) pairs[kept++] = {block_of_slot[k], block_of_slot[l]};
+  }
+  pairs.resize(kept);
+  blocks = BlockGraph::from_pairs(static_cast<int>(unknown_slots.size()), pairs);
+  elimination = find_elimination(blocks);
+  slot_of_block.resize(unknown_slots.size());
+  for (std::size_t i = 0; i < unknown_slots.size(); ++i) {
+    const int position = elimination.position[i];
+    block_of_slot[unknown_slots[i]] = position;
+    slot_of_block[position] = unknown_slots[i];
+  }
+}
+
+NormalEquations::NormalEquations(const Problem& problem, const UnknownLayout& layout)
+    : problem_(problem), layout_(layout) {
+  const std::vector<int> ordered = block_dimensions(problem, layout);
+  std::vector<int> dimensions(ordered.size());
+  for (std::size_t i = 0; i < ordered.size(); ++i) dimensions[i] = ordered[layout.elimination.position[i]];
+  pattern_ = BlockPattern::build(layout.blocks, layout.elimination.position, dimensions);
+  values_.resize(pattern_.value_count());
+  gradient_.resize(pattern_.scalar_size());
+  diagonal_.resize(pattern_.scalar_size());
+  targets_.resize(problem.batches.size());
+  for (std::size_t b = 0; b < problem.batches.size(); ++b) {
+    const std::size_t size = problem.batches[b]->size();
+    for (std::size_t begin = 0; begin < size; begin += kFactorsPerChunk) {
+      chunks_.push_back({static_cast<std::uint32_t>(b), begin, std::min(size, begin + kFactorsPerChunk)});
+    }
+  }
+  chunk_costs_.resize(chunks_.size());
+  place_diagonals();
+  place_off_diagonals();
+}
+
+void NormalEquations::place_diagonals() {
+  std::vector<std::size_t> count(static_cast<std::size_t>(pattern_.size()), 0);
+  for (std::size_t b = 0; b < targets_.size(); ++b) {  // first: the block of each factor's variables
+    const FactorBatch& batch = *problem_.batches[b];
+    const auto signature = batch.signature();
+    const auto indices = batch.variable_indices();
+    std::vector<std::size_t>& offsets = targets_[b].diagonal_offset;
+    offsets.resize(indices.size());
+    for (std::size_t i = 0; i < indices.size(); ++i) {
+      const int block = layout_.block_of_slot[problem_.graph->slot_of(signature[i % signature.size()], indices[i])];
+      offsets[i] = block < 0 ? NormalEquationTargets::kSkip : static_cast<std::size_t>(block);
+      if (block >= 0) ++count[block];
+    }
+  }
+  scratch_begin_.assign(count.size() + 1, 0);
+  for (std::size_t j = 0; j < count.size(); ++j) {
+    scratch_begin_[j + 1] = scratch_begin_[j] + count[j] * scratch_size(pattern_.dimension[j]);
+  }
+  scratch_.resize(scratch_begin_.back());
+  std::vector<std::size_t> next(scratch_begin_.begin(), scratch_begin_.end() - 1);
+  for (BatchTargets& targets : targets_) {  // then: its own place among the block's contributions
+    for (std::size_t& offset : targets.diagonal_offset) {
+      if (offset == NormalEquationTargets::kSkip) continue;
+      const std::size_t block = offset;
+      offset = next[block];
+      next[block] += scratch_size(pattern_.dimension[block]);
+    }
+  }
+}
+
+void NormalEquations::place_off_diagonals() {
+  std::vector<bool> taken(pattern_.row.size(), false);
+  for (std::size_t b = 0; b < targets_.size(); ++b) {
+    const FactorBatch& batch = *problem_.batches[b];
+    const auto signature = batch.signature();
+    const auto indices = batch.variable_indices();
+    const std::size_t arity = signature.size();
+    targets_[b].off_diagonal.reserve(batch.size() * arity * (arity - 1) / 2);
+    const auto block_of = [&](std::size_t i, std::size_t k) {
+      return layout_.block_of_slot[problem_.graph->slot_of(signature[k], indices[i * arity + k])];
+    };
+    for (std::size_t i = 0; i < batch.size(); ++i) {
+      for (std::size_t k = 0; k < arity; ++k) {
+        for (std::size_t l = k + 1; l < arity; ++l) {
+          targets_[b].off_diagonal.push_back(place_block(block_of(i, k), block_of(i, l), taken));
+        }
+      }
+    }
+  }
+}
+
+NormalEquationTargets::OffDiagonal NormalEquations::place_block(int block_k, int block_l,
+                                                                std::vector<bool>& taken) {
+  if (block_k < 0 || block_l < 0) return {};
+  const bool transposed = block_k < block_l;  // the lower triangle has H_lk = H_kl^T
+  const int column = std::min(block_k, block_l);
+  const int entry = pattern_.find(std::max(block_k, block_l), column);
+  const NormalEquationTargets::OffDiagonal place{
+      pattern_.value_begin[column] + static_cast<std::size_t>(pattern_.row_offset[entry]), pattern_.height[column],
+      transposed};
+  if (!taken[entry]) {
+    taken[entry] = true;
+    return place;
+  }
+  const int rows = pattern_.dimension[pattern_.row[entry]], columns = pattern_.dimension[column];
+  const std::size_t aside = values_.size();
+  values_.resize(aside + static_cast<std::size_t>(rows) * static_cast<std::size_t>(columns));
+  repeated_.push_back({aside, place, rows, columns});
+  return {aside, rows, transposed};
+}
+
+template <class Evaluate>
+RangeCost NormalEquations::sum_chunks(ThreadPool& pool, Evaluate evaluate) {
+  pool.run(chunks_.size(), [&](std::size_t c) { chunk_costs_[c] = evaluate(chunks_[c]); });
+  RangeCost sum;
+  for (const RangeCost& cost : chunk_costs_) {
+    sum.chi2 += cost.chi2;
+    sum.cost += cost.cost;
+  }
+  return sum;
+}
+
+RangeCost NormalEquations::linearize(const EvaluationContext& context, ThreadPool& pool) {
+  const RangeCost sum = sum_chunks(pool, [&](const Chunk& chunk) {
+    const BatchTargets& targets = targets_[chunk.batch];
+    return problem_.batches[chunk.batch]->linearize(
+        chunk.begin, chunk.end, context,
+        {scratch_.data(), targets.diagonal_offset.data(), values_.data(), targets.off_diagonal.data()});
+  });
+  add_repeated_blocks();
+  const int chunks = (pattern_.size() + kBlocksPerChunk - 1) / kBlocksPerChunk;
+  pool.run(static_cast<std::size_t>(chunks), [&](std::size_t c) {
+    const int begin = static_cast<int>(c) * kBlocksPerChunk;
+    for (int j = begin; j < std::min(pattern_.size(), begin + kBlocksPerChunk); ++j) gather(j);
+  });
+  return sum;
+}
+
+RangeCost NormalEquations::evaluate_cost(const EvaluationContext& context, ThreadPool& pool) {
+  return sum_chunks(pool, [&](const Chunk& chunk) {
+    return problem_.batches[chunk.batch]->evaluate_cost(chunk.begin, chunk.end, context);
+  });
+}
+
+void NormalEquations::add_repeated_blocks() {
+  for (const RepeatedBlock& block : repeated_) {
+    for (int column = 0; column < block.columns; ++column) {
+      double* target = values_.data() + block.target.offset +
+                       static_cast<std::size_t>(column) * static_cast<std::size_t>(block.target.leading_dimension);
+      const double* source = values_.data() + block.source + static_cast<std::size_t>(column * block.rows);
+      for (int row = 0; row < block.rows; ++row) target[row] += source[row];
+    }
+  }
+}
+
+void NormalEquations::gather(int block) {
+  const double* first = scratch_.data() + scratch_begin_[block];
+  const double* last = scratch_.data() + scratch_begin_[block + 1];
+  double* target = values_.data() + pattern_.value_begin[block];
+  const int height = pattern_.height[block], scalar = pattern_.scalar_begin[block];
+  double* g = gradient_.data() + scalar;
+  switch (pattern_.dimension[block]) {
+    case 2:
+      sum_contributions<2>(first, last, target, height, g);
+      break;
+    case 3:
+      sum_contributions<3>(first, last, target, height, g);
+      break;
+    default:
+      sum_contributions<6>(first, last, target, height, g);
+      break;
+  }
+  for (int k = 0; k < pattern_.dimension[block]; ++k) diagonal_[scalar + k] = target[k * (height + 1)];
+}
+
+void NormalEquations::set_damping(double lambda) {
+  for (int j = 0; j < pattern_.size(); ++j) {
+    double* block = values_.data() + pattern_.value_begin[j];
+    for (int k = 0; k < pattern_.dimension[j]; ++k) {
+      block[k * (pattern_.height[j] + 1)] = diagonal_[pattern_.scalar_begin[j] + k] * (1.0 + lambda);
+    }
+  }
+}
+
+void NormalEquations::retract(const Values& from, const Eigen::VectorXd& dx, Values& to) const {
+  to = from;
+  for (int j = 0; j < pattern_.size(); ++j) {
+    const Variable& variable = problem_.graph->variables()[layout_.slot_of_block[j]];
+    to.retract(variable.type, variable.index, dx.data() + pattern_.scalar_begin[j]);
+  }
+}
+
+}  // namespace cairn
