@@ -47,6 +47,7 @@ class CholmodSolver final : public LinearSolver {
   bool factorize(const double* values) override {
     const SingleThreadBlas single_thread;
     matrix_.x = const_cast<double*>(values);
+    matrix_.xtype = CHOLMOD_REAL;
     if (cholmod_factorize(&matrix_, factor_, &common_) == 0) return false;
     return common_.status == CHOLMOD_OK && factor_->minor == factor_->n;
   }
@@ -97,7 +98,7 @@ class CholmodSolver final : public LinearSolver {
     matrix.i = scalar.row.data();
     matrix.stype = -1;  // the rows above the diagonal inside diagonal blocks are ignored
     matrix.itype = CHOLMOD_INT;
-    matrix.xtype = CHOLMOD_REAL;
+    matrix.xtype = CHOLMOD_PATTERN;  // until there are values
     matrix.sorted = matrix.packed = 1;
     return matrix;
   }

@@ -11,7 +11,7 @@ namespace cairn {
 namespace {
 
 // A step that promises less than this part of the cost is the last one.
-constexpr double kSmallDecrease = 1e-8;
+constexpr double kSmallDecrease = 1e-9;
 // m, rad: below what any sensor or controller can tell.
 constexpr double kSmallStep = 1e-11;
 // Gauss-Newton may climb out of a bad start, but not for ever.

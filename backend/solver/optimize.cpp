@@ -3,6 +3,7 @@
 
 #include "cairn/core/stopwatch.hpp"
 #include "cairn/linear/linear_solver.hpp"
+#include "cairn/solver/ceres_backend.hpp"
 #include "cairn/solver/minimizer.hpp"
 #include "cairn/solver/problem.hpp"
 
@@ -72,6 +73,14 @@ SolveSummary optimize(Graph& graph, const SolveOptions& options) {
   summary.components = problem.components;
   summary.gauge = problem.gauge;
   summary.degrees_of_freedom = degrees_of_freedom(problem);
+#ifdef CAIRN_WITH_CERES
+  if (options.linear == LinearBackend::kCeres) {
+    const std::vector<char> held(problem.held.begin(), problem.held.end());
+    solve_with_ceres(graph, held, options, summary);
+    summary.optimize_s = watch.seconds();
+    return summary;
+  }
+#endif
   ThreadPool pool(options.threads);
   const UnknownLayout layout(problem);
   NormalEquations equations(problem, layout);
