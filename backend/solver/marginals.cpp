@@ -1,0 +1,140 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "cairn/solver/marginals.hpp"
+
+#include <limits>
+
+#include "cairn/linear/selected_inverse.hpp"
+#include "cairn/solver/normal_equations.hpp"
+#include "cairn/solver/problem.hpp"
+
+namespace cairn {
+namespace {
+
+constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+
+/// d(Log of T_a_b's change) / d(change of a): Exp(-d) * T_a_b = T_a_b * Exp(-Ad(T_a_b^-1) * d).
+template <class Pose>
+Eigen::MatrixXd relative_jacobian(const Pose& T_map_a, const Pose& T_map_b) {
+  return -(T_map_b.inverse() * T_map_a).adjoint();
+}
+
+}  // namespace
+
+struct Marginals::State {
+  enum class Standing : char { kUnknown, kHeld, kUnderConstrained };
+
+  std::vector<Variable> variables;
+  Values values;
+  std::vector<Standing> standing;  ///< by slot
+  std::vector<int> block_of_slot;
+  BlockPattern pattern;
+  std::unique_ptr<LinearSolver> linear;
+  std::optional<SelectedInverse> inverse;
+
+  [[nodiscard]] int dimension(VariableSlot slot) const {
+    return tangent_dimension(variables[slot].type);
+  }
+
+  /// Covariance of the changes of a and b; held variables do not change.
+  [[nodiscard]] Eigen::MatrixXd block(VariableSlot a, VariableSlot b) const {
+    if (standing[a] == Standing::kUnderConstrained || standing[b] == Standing::kUnderConstrained) {
+      return Eigen::MatrixXd::Constant(dimension(a), dimension(b), kNan);
+    }
+    if (standing[a] == Standing::kHeld || standing[b] == Standing::kHeld) {
+      return Eigen::MatrixXd::Zero(dimension(a), dimension(b));
+    }
+    const int row = pattern.scalar_begin[block_of_slot[a]];
+    const int column = pattern.scalar_begin[block_of_slot[b]];
+    // Blocks are in the factor's pattern as a whole or not at all.
+    if (!inverse->find(row, column)) return solve_block(a, b);
+    Eigen::MatrixXd covariance(dimension(a), dimension(b));
+    for (int j = 0; j < covariance.cols(); ++j) {
+      for (int i = 0; i < covariance.rows(); ++i)
+        covariance(i, j) = *inverse->find(row + i, column + j);
+    }
+    return covariance;
+  }
+
+  /// The same from columns of the inverse, one solve each.
+  [[nodiscard]] Eigen::MatrixXd solve_block(VariableSlot a, VariableSlot b) const {
+    Eigen::MatrixXd covariance(dimension(a), dimension(b));
+    Eigen::VectorXd column(pattern.scalar_size());
+    for (int j = 0; j < covariance.cols(); ++j) {
+      column.setZero();
+      column[pattern.scalar_begin[block_of_slot[b]] + j] = 1.0;
+      linear->solve(column.data(), column.data());
+      covariance.col(j) = column.segment(pattern.scalar_begin[block_of_slot[a]], covariance.rows());
+    }
+    return covariance;
+  }
+};
+
+Marginals::Marginals(std::unique_ptr<State> state) : state_(std::move(state)) {}
+Marginals::Marginals(Marginals&&) noexcept = default;
+Marginals& Marginals::operator=(Marginals&&) noexcept = default;
+Marginals::~Marginals() = default;
+
+Result<Marginals> Marginals::compute(const Graph& graph, const SolveOptions& options) {
+  const Problem problem(graph);
+  const UnknownLayout layout(problem);
+  NormalEquations equations(problem, layout);
+  ThreadPool pool(options.threads);
+  const EvaluationContext context{graph.values(), options.chart, options.loss,
+                                  options.loss_on_loops_only};
+  const RangeCost cost = equations.linearize(context, pool);
+  if (!std::isfinite(cost.cost)) {
+    return Error{ErrorCode::kNotUsable,
+                 "the cost is not finite at these estimates, so they have no covariance"};
+  }
+
+  auto state = std::make_unique<State>();
+  state->variables.assign(graph.variables().begin(), graph.variables().end());
+  state->values = graph.values();
+  state->standing.assign(graph.variables().size(), State::Standing::kUnknown);
+  for (std::size_t slot = 0; slot < problem.held.size(); ++slot) {
+    if (problem.held[slot]) state->standing[slot] = State::Standing::kHeld;
+  }
+  state->block_of_slot = layout.block_of_slot;
+  state->pattern = equations.pattern();
+  if (state->pattern.size() > 0) {
+    state->linear = make_cholmod_solver();
+    state->linear->analyze(state->pattern, layout.elimination);
+    if (!state->linear->factorize(equations.values())) {
+      return Error{ErrorCode::kNotUsable,
+                   "the measurements do not determine all variables, so there is no covariance"};
+    }
+    state->inverse.emplace(*state->linear->factor());
+  }
+  return Marginals(std::move(state));
+}
+
+Eigen::MatrixXd Marginals::covariance(VariableSlot variable) const {
+  return state_->block(variable, variable);
+}
+
+Eigen::MatrixXd Marginals::joint_covariance(VariableSlot a, VariableSlot b) const {
+  const int d_a = state_->dimension(a), d_b = state_->dimension(b);
+  Eigen::MatrixXd joint(d_a + d_b, d_a + d_b);
+  joint.topLeftCorner(d_a, d_a) = state_->block(a, a);
+  joint.bottomRightCorner(d_b, d_b) = state_->block(b, b);
+  joint.topRightCorner(d_a, d_b) = state_->block(a, b);
+  joint.bottomLeftCorner(d_b, d_a) = joint.topRightCorner(d_a, d_b).transpose();
+  return joint;
+}
+
+Eigen::MatrixXd Marginals::relative_covariance(VariableSlot a, VariableSlot b) const {
+  const Variable &of_a = state_->variables[a], &of_b = state_->variables[b];
+  CAIRN_CHECK(is_pose(of_a.type) && of_a.type == of_b.type,
+              "relative covariance is of two poses of one type");
+  const int d = tangent_dimension(of_a.type);
+  Eigen::MatrixXd J(d, 2 * d);
+  J.rightCols(d).setIdentity();
+  J.leftCols(d) =
+      of_a.type == VariableType::kPose2
+          ? relative_jacobian(state_->values.pose2[of_a.index], state_->values.pose2[of_b.index])
+          : relative_jacobian(state_->values.pose3[of_a.index], state_->values.pose3[of_b.index]);
+  if (a == b) return Eigen::MatrixXd::Zero(d, d);
+  return J * joint_covariance(a, b) * J.transpose();
+}
+
+}  // namespace cairn
