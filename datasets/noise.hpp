@@ -13,6 +13,11 @@ namespace cairn {
 struct PoseSigmas {
   double ahead_m, sideways_m, vertical_m;
   double yaw_rad, tilt_rad;
+
+  [[nodiscard]] PoseSigmas scaled(double factor) const {
+    return {factor * ahead_m, factor * sideways_m, factor * vertical_m, factor * yaw_rad,
+            factor * tilt_rad};
+  }
 };
 
 /// Information of a measured T_a_b. The first translation axis is turned by `axis_rad` about the

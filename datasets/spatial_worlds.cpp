@@ -14,15 +14,6 @@ namespace {
 constexpr double kTau = 2.0 * std::numbers::pi;
 using Eigen::Vector3d;
 
-// Body axes: x ahead, y left, z up. `ahead` need not be perpendicular to `up`.
-Se3 pose_looking(const Vector3d& p_map, const Vector3d& ahead, const Vector3d& up) {
-  Eigen::Matrix3d R_map_body;
-  R_map_body.col(2) = up.normalized();
-  R_map_body.col(1) = R_map_body.col(2).cross(ahead).normalized();
-  R_map_body.col(0) = R_map_body.col(1).cross(R_map_body.col(2));
-  return {So3::project(R_map_body), p_map};
-}
-
 // Poses on a surface p(i) with outward normal up(i), looking to where the next one is.
 template <class Position, class Up>
 std::vector<Se3> poses_along(std::size_t count, const Position& position, const Up& up) {
@@ -43,6 +34,14 @@ std::size_t turn_length(std::size_t poses, double turns_per_root) {
 std::uint32_t narrow(std::size_t i) { return static_cast<std::uint32_t>(i); }
 
 }  // namespace
+
+Se3 pose_looking(const Vector3d& p_map, const Vector3d& ahead, const Vector3d& up) {
+  Eigen::Matrix3d R_map_body;
+  R_map_body.col(2) = up.normalized();
+  R_map_body.col(1) = R_map_body.col(2).cross(ahead).normalized();
+  R_map_body.col(0) = R_map_body.col(1).cross(R_map_body.col(2));
+  return {So3::project(R_map_body), p_map};
+}
 
 Walk<Se3> walk_sphere(std::size_t poses) {
   const std::size_t turn = turn_length(poses, 1.0);

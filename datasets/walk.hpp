@@ -33,4 +33,20 @@ Walk<Se3> walk_garage(std::size_t poses);  ///< up a ramp and down again in the 
 Walk<Se3> walk_grid(std::size_t poses,
                     Random& random);  ///< a random walk in a cube, closures to the cells around
 
+/// A closed, winding course of `lap_m` metres, taken at about 1 m per pose; in space it also rises
+/// and falls and the body leans. Stations are metres along the course; a lap later they repeat
+/// (heights do not quite).
+struct Course {
+  double lap_m;
+
+  [[nodiscard]] Eigen::Vector3d position(double station) const;
+  [[nodiscard]] Eigen::Vector3d ahead(double station) const;
+  [[nodiscard]] Walk<Se2> walk2(std::size_t poses) const;
+  [[nodiscard]] Walk<Se3> walk3(std::size_t poses) const;
+};
+
+/// Body axes x ahead, y left, z up; `ahead` need not be perpendicular to `up`.
+Se3 pose_looking(const Eigen::Vector3d& p_map, const Eigen::Vector3d& ahead,
+                 const Eigen::Vector3d& up);
+
 }  // namespace cairn

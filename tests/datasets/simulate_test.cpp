@@ -42,6 +42,9 @@ std::uint64_t fingerprint(const Graph& graph) {
     for (int i = 0; i < 3; ++i)
       print.add(T.translation()[i]), print.add(std::abs(T.rotation().quaternion().vec()[i]));
   }
+  for (const Eigen::Vector2d& p : graph.values().point2) print.add(p.x()), print.add(p.y());
+  for (const Eigen::Vector3d& p : graph.values().point3)
+    print.add(p.x()), print.add(p.y()), print.add(p.z());
   for (const FactorRef factor : graph.factors()) {
     for (const VariableSlot slot : graph.slots_of(factor)) print.add_bits(slot);
     const auto evaluation =
@@ -171,11 +174,76 @@ TEST_P(EveryPoseWorld, MarksKindsAsAFileReaderWould) {
   }
 }
 
+std::vector<Sensor> every_sensor() {
+  std::vector<Sensor> sensors;
+  for (const std::string& name : sensor_names()) sensors.push_back(*find_sensor(name));
+  return sensors;
+}
+
+class EverySensor : public testing::TestWithParam<Sensor> {
+ protected:
+  static SimulationOptions options(std::uint64_t seed) {
+    return {.world = World::kLandmarks, .poses = 150, .seed = seed, .sensor = GetParam()};
+  }
+};
+INSTANTIATE_TEST_SUITE_P(Sensors, EverySensor, testing::ValuesIn(every_sensor()),
+                         [](const auto& sensor) {
+                           std::string name(to_string(sensor.param));
+                           std::erase(name, '-');
+                           return name;
+                         });
+
+TEST_P(EverySensor, Chi2OfTheTrueValuesLiesInItsBandOverManySeedsBatchByBatch) {
+  double chi2[2] = {}, dof[2] = {};
+  for (std::uint64_t seed = 1; seed <= 100; ++seed) {
+    const Graph truth = simulated(options(seed)).true_graph();
+    ASSERT_EQ(truth.batches().size(), 2u);  // odometry and the sensor
+    for (std::size_t b = 0; b < 2; ++b) {
+      const FactorBatch& batch = *truth.batches()[b];
+      chi2[b] += batch.evaluate_cost(0, batch.size(), {.values = truth.values()}).chi2;
+      dof[b] += static_cast<double>(batch.size()) * batch.residual_dimension();
+    }
+  }
+  expect_in_chi2_band(chi2[0], dof[0]);
+  expect_in_chi2_band(chi2[1], dof[1]);
+}
+
+TEST_P(EverySensor, IsOneComponentWhereEveryLandmarkIsSeenOften) {
+  for (const std::size_t poses : {2, 20, 300}) {
+    SimulationOptions few = options(1);
+    few.poses = poses;
+    const auto world = simulated(few);
+    EXPECT_EQ(component_count(world.graph), 1u);
+    std::vector<int> sightings(world.graph.variables().size(), 0);
+    for (const FactorRef factor : world.graph.factors()) {
+      for (const VariableSlot slot : world.graph.slots_of(factor)) ++sightings[slot];
+    }
+    for (VariableSlot slot = 0; slot < sightings.size(); ++slot) {
+      if (is_pose(world.graph.variables()[slot].type)) continue;
+      EXPECT_GE(sightings[slot], 6);
+    }
+  }
+}
+
+TEST_P(EverySensor, WithoutNoiseTheStartIsTheTruth) {
+  SimulationOptions exact = options(1);
+  exact.noise = 0.0;
+  const auto world = simulated(exact);
+  EXPECT_LT(compute_chi2(world.true_graph()), 1e-15);
+  EXPECT_LT(compute_chi2(world.graph), 1e-9);
+}
+
+TEST_P(EverySensor, TheSameSeedGivesTheSameGraphAndAnotherSeedAnother) {
+  EXPECT_EQ(fingerprint(simulated(options(3)).graph), fingerprint(simulated(options(3)).graph));
+  EXPECT_NE(fingerprint(simulated(options(3)).graph), fingerprint(simulated(options(4)).graph));
+}
+
 TEST(Simulate, RefusesOptionsThatMakeNoSense) {
   EXPECT_FALSE(simulate({.poses = 1}));
   EXPECT_FALSE(simulate({.noise = -1.0}));
   EXPECT_FALSE(simulate({.noise = std::nan("")}));
   EXPECT_FALSE(simulate({.outliers = 1.5}));
+  EXPECT_FALSE(simulate({.world = World::kLandmarks, .outliers = 0.1}));
 }
 
 TEST(Simulate, CityHasAboutTwoEdgesPerPoseAtAnySize) {
