@@ -4,6 +4,23 @@
 #include <Eigen/Core>
 #include <algorithm>
 
+#include "cairn/core/check.hpp"
+#include "cairn/linear/single_thread_blas.hpp"
+
+// BLAS, for panels that are worth the call; Fortran by reference, column-major.
+extern "C" {
+void dsymm_(const char* side, const char* uplo, const int* m, const int* n, const double* alpha,
+            const double* a, const int* lda, const double* b, const int* ldb, const double* beta,
+            double* c, const int* ldc);
+void dgemm_(const char* transa, const char* transb, const int* m, const int* n, const int* k,
+            const double* alpha, const double* a, const int* lda, const double* b, const int* ldb,
+            const double* beta, double* c, const int* ldc);
+void dtrsm_(const char* side, const char* uplo, const char* transa, const char* diag, const int* m,
+            const int* n, const double* alpha, const double* a, const int* lda, double* b,
+            const int* ldb);
+void dpotri_(const char* uplo, const int* n, double* a, const int* lda, int* info);
+}
+
 namespace cairn {
 namespace {
 
@@ -21,12 +38,13 @@ SelectedInverse::SelectedInverse(const SupernodalFactor& factor)
     std::fill(supernode_of_.begin() + factor.super[s], supernode_of_.begin() + factor.super[s + 1],
               s);
   }
+  const SingleThreadBlas single_thread;
   for (int s = factor.supernodes() - 1; s >= 0; --s) invert_supernode(s);
 }
 
 // With S the columns of the supernode and R its rows below (Z = A^-1, Takahashi et al. 1973 in
 // blocks):
-//   W = L_RS L_SS^-1,   Z_RS = -Z_RR W,   Z_SS = L_SS^-T L_SS^-1 - W^T Z_RS.
+//   W = L_RS L_SS^-1,   Z_RS = -Z_RR W,   Z_SS = (L_SS L_SS^T)^-1 - W^T Z_RS.
 // R is a subset of the rows of later supernodes, so Z_RR is known.
 void SelectedInverse::invert_supernode(int s) {
   const int columns = factor_.columns(s);
@@ -38,18 +56,22 @@ void SelectedInverse::invert_supernode(int s) {
   Panel Z_SS(values_.data() + factor_.px[s], columns, columns, stride);
   Panel Z_RS(values_.data() + factor_.px[s] + columns, n, columns, stride);
 
-  const Eigen::MatrixXd L_SS_inverse =
-      L_SS.triangularView<Eigen::Lower>().solve(Eigen::MatrixXd::Identity(columns, columns));
-  Z_SS.noalias() = L_SS_inverse.transpose() * L_SS_inverse;
+  int info = 0;
+  Z_SS = L_SS;
+  dpotri_("L", &columns, Z_SS.data(), &rows, &info);
+  CAIRN_CHECK(info == 0, "the factor has a zero on its diagonal");
   if (n == 0) return;
   gather(factor_.s.subspan(static_cast<std::size_t>(factor_.pi[s] + columns),
                            static_cast<std::size_t>(n)));
-  const Panel Z_RR(Z_RR_.data(), n, n, Eigen::OuterStride<>(n));
-  W_.resize(static_cast<std::size_t>(n * columns));
+  W_.resize(static_cast<std::size_t>(n) * static_cast<std::size_t>(columns));
   Panel W(W_.data(), n, columns, Eigen::OuterStride<>(n));
-  W.noalias() = L_RS * L_SS_inverse.triangularView<Eigen::Lower>();
-  Z_RS.noalias() = -(Z_RR.selfadjointView<Eigen::Lower>() * W);
-  Z_SS.noalias() -= W.transpose() * Z_RS;
+  W = L_RS;
+  const double one = 1.0, zero = 0.0, minus_one = -1.0;
+  dtrsm_("R", "L", "N", "N", &n, &columns, &one, L_SS.data(), &rows, W.data(), &n);
+  dsymm_("L", "L", &n, &columns, &minus_one, Z_RR_.data(), &n, W.data(), &n, &zero, Z_RS.data(),
+         &rows);
+  dgemm_("T", "N", &columns, &columns, &n, &minus_one, W.data(), &n, Z_RS.data(), &rows, &one,
+         Z_SS.data(), &rows);
 }
 
 // The lower triangle of Z at rows and columns `below`, into Z_RR_.
