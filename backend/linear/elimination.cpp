@@ -4,6 +4,8 @@
 #include <amd.h>
 #include <cholmod.h>
 
+#include <numeric>
+
 #include "cairn/core/check.hpp"
 
 namespace cairn {
@@ -84,6 +86,10 @@ std::vector<int> column_counts(const BlockGraph& graph, std::span<const int> ord
 
 std::vector<int> amd_order_of(const BlockGraph& graph) {
   std::vector<int> order(graph.size());
+  if (graph.neighbors.empty()) {  // AMD takes no null arrays
+    std::iota(order.begin(), order.end(), 0);
+    return order;
+  }
   const int status =
       amd_order(graph.size(), graph.begin.data(), graph.neighbors.data(), order.data(), nullptr, nullptr);
   CAIRN_CHECK(status == AMD_OK, "amd_order failed");

@@ -4,6 +4,7 @@
 #include "cairn/core/stopwatch.hpp"
 #include "cairn/linear/linear_solver.hpp"
 #include "cairn/solver/ceres_backend.hpp"
+#include "cairn/solver/initialize.hpp"
 #include "cairn/solver/minimizer.hpp"
 #include "cairn/solver/problem.hpp"
 
@@ -73,6 +74,7 @@ SolveSummary optimize(Graph& graph, const SolveOptions& options) {
   summary.components = problem.components;
   summary.gauge = problem.gauge;
   summary.degrees_of_freedom = degrees_of_freedom(problem);
+  initialize(problem, options, graph.values(), summary);
 #ifdef CAIRN_WITH_CERES
   if (options.linear == LinearBackend::kCeres) {
     const std::vector<char> held(problem.held.begin(), problem.held.end());

@@ -1,0 +1,16 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "cairn/linear/elimination.hpp"
+#include "cairn/solver/relative_pose_graph.hpp"
+
+namespace cairn {
+
+/// Chordal initialization (Martinec & Pajdla 2007; Carlone et al. 2015, section IV): rotations by linear least
+/// squares over unconstrained matrices, each projected to the nearest rotation, then translations by linear least
+/// squares. No start is needed; held poses keep their value, and a component without one is tied at its smallest id.
+/// False (and `poses` unchanged) when a system is singular.
+template <class Pose>
+bool chordal_poses(const RelativePoseGraph<Pose>& graph, std::vector<Pose>& poses);
+
+}  // namespace cairn
