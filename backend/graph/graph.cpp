@@ -55,6 +55,20 @@ Result<VariableSlot> Graph::add_point3(VariableId id, const Eigen::Vector3d& p_m
   return slot;
 }
 
+void Graph::reserve_values(VariableType type, std::size_t count) {
+  slots_[static_cast<std::size_t>(type)].reserve(count);
+  switch (type) {
+    case VariableType::kPose2:
+      return values_.pose2.reserve(count);
+    case VariableType::kPose3:
+      return values_.pose3.reserve(count);
+    case VariableType::kPoint2:
+      return values_.point2.reserve(count);
+    case VariableType::kPoint3:
+      return values_.point3.reserve(count);
+  }
+}
+
 std::optional<VariableSlot> Graph::find(VariableId id) const {
   const auto found = slot_of_id_.find(id);
   if (found == slot_of_id_.end()) return std::nullopt;

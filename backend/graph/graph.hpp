@@ -25,7 +25,8 @@ struct FactorRef {
   std::uint32_t index;
 };
 
-/// Variables with their estimates, and batches of factors between them. A value type: copies are deep.
+/// Variables with their estimates, and batches of factors between them. A value type: copies are
+/// deep.
 class Graph {
  public:
   Graph() = default;
@@ -40,10 +41,12 @@ class Graph {
   Result<VariableSlot> add_point2(VariableId id, const Eigen::Vector2d& p_map);
   Result<VariableSlot> add_point3(VariableId id, const Eigen::Vector3d& p_map);
 
-  /// Adds a factor between existing variables, in the order of its signature. Refused when a variable is unknown,
-  /// has another type, occurs twice, or when the information is not finite and positive semidefinite.
+  /// Adds a factor between existing variables, in the order of its signature. Refused when a
+  /// variable is unknown, has another type, occurs twice, or when the information is not finite and
+  /// positive semidefinite.
   template <class F>
-  Result<FactorRef> add_factor(const F& factor, const std::array<VariableId, F::Variables::kArity>& ids,
+  Result<FactorRef> add_factor(const F& factor,
+                               const std::array<VariableId, F::Variables::kArity>& ids,
                                FactorKind kind = FactorKind::kOther);
 
   [[nodiscard]] std::span<const Variable> variables() const { return variables_; }
@@ -53,7 +56,15 @@ class Graph {
     return slots_[static_cast<std::size_t>(type)][index];
   }
   void set_fixed(VariableSlot slot, bool fixed) { variables_[slot].fixed = fixed; }
-  void reserve(std::size_t variables) { variables_.reserve(variables), slot_of_id_.reserve(variables); }
+  /// Makes room for so many variables in all.
+  void reserve(std::size_t variables) {
+    variables_.reserve(variables), slot_of_id_.reserve(variables);
+  }
+  /// Makes room for so many values of one type in all.
+  void reserve_values(VariableType type, std::size_t count);
+  /// Makes room for so many more factors of one type.
+  template <class F>
+  void reserve_factors(std::size_t count);
 
   [[nodiscard]] const Values& values() const { return values_; }
   [[nodiscard]] Values& values() { return values_; }
@@ -68,7 +79,9 @@ class Graph {
   /// The slots a factor touches, in the order of its signature.
   [[nodiscard]] std::vector<VariableSlot> slots_of(FactorRef factor) const;
 
-  void set_kind(FactorRef factor, FactorKind kind) { batches_[factor.batch]->set_kind(factor.index, kind); }
+  void set_kind(FactorRef factor, FactorKind kind) {
+    batches_[factor.batch]->set_kind(factor.index, kind);
+  }
 
  private:
   Result<VariableSlot> add_variable(VariableId id, VariableType type, std::size_t index);
@@ -84,9 +97,9 @@ class Graph {
   std::vector<FactorRef> factor_order_;
 };
 
-/// Sorts relative factors into odometry and loops (see FactorKind): the first edge between neighbours among one
-/// robot's pose ids in sorted order (robot = top byte of the id) is odometry, every other edge between two poses
-/// is a loop. Factors already marked kOdometry stay so.
+/// Sorts relative factors into odometry and loops (see FactorKind): the first edge between
+/// neighbours among one robot's pose ids in sorted order (robot = top byte of the id) is odometry,
+/// every other edge between two poses is a loop. Factors already marked kOdometry stay so.
 void classify_factor_kinds(Graph& graph);
 
 template <class F>
@@ -107,6 +120,13 @@ std::uint32_t Graph::batch_for() {
   return static_cast<std::uint32_t>(batches_.size() - 1);
 }
 
+template <class F>
+void Graph::reserve_factors(std::size_t count) {
+  auto& typed = static_cast<TypedBatch<F>&>(*batches_[batch_for<F>()]);
+  typed.reserve(typed.size() + count);
+  factor_order_.reserve(factor_order_.size() + count);
+}
+
 namespace internal {
 Error unknown_variable(VariableId id);
 Error wrong_variable_type(VariableId id, VariableType expected, VariableType found);
@@ -115,7 +135,8 @@ Error invalid_information(std::string_view factor_name);
 }  // namespace internal
 
 template <class F>
-Result<FactorRef> Graph::add_factor(const F& factor, const std::array<VariableId, F::Variables::kArity>& ids,
+Result<FactorRef> Graph::add_factor(const F& factor,
+                                    const std::array<VariableId, F::Variables::kArity>& ids,
                                     FactorKind kind) {
   constexpr std::size_t kArity = F::Variables::kArity;
   std::array<std::uint32_t, kArity> indices;
@@ -131,7 +152,8 @@ Result<FactorRef> Graph::add_factor(const F& factor, const std::array<VariableId
       if (ids[l] == ids[k]) return internal::repeated_variable(ids[k]);
     }
   }
-  if (!factor.information.allFinite() || !is_positive_semidefinite<F::kDimension>(factor.information)) {
+  if (!factor.information.allFinite() ||
+      !is_positive_semidefinite<F::kDimension>(factor.information)) {
     return internal::invalid_information(F::kName);
   }
   const std::uint32_t batch = batch_for<F>();

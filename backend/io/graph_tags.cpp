@@ -23,7 +23,13 @@ constexpr TagSpec vertex(std::string_view name, VariableType type, int columns, 
           .what = what};
 }
 
+// Two kinds of line every text format takes.
 constexpr TagSpec kFix{.name = "FIX", .role = TagRole::kFix, .what = "hold these vertices"};
+constexpr TagSpec kEquiv{.name = "EQUIV",
+                         .role = TagRole::kEquivalence,
+                         .variable_count = 2,
+                         .variables = {kPose2, kPose2},
+                         .what = "two ids of one pose"};
 
 constexpr TagSpec kG2oTags[] = {
     vertex("VERTEX_SE2", kPose2, 3, 0b100, -1, "pose in the plane (x y theta)"),
@@ -188,6 +194,7 @@ constexpr TagSpec kG2oTags[] = {
      .measurement = 3,
      .information = 2,
      .what = "direction of gravity in the body (down x y z)"},
+    kEquiv,
     kFix,
 };
 
@@ -228,11 +235,7 @@ constexpr TagSpec kToroTags[] = {
      .what = "relative pose in the plane (x y theta)"},
     vertex("VERTEX3", kPose3, 6, 0b111000, -1, "pose in space (x y z roll pitch yaw)"),
     toro_edge3("EDGE3", InformationLayout::kUpperTriangle),
-    {.name = "EQUIV",
-     .role = TagRole::kEquivalence,
-     .variable_count = 2,
-     .variables = {kPose2, kPose2},
-     .what = "two ids of one pose"},
+    kEquiv,
     kFix,
 };
 
@@ -247,6 +250,7 @@ constexpr TagSpec kIsamTags[] = {
      .information = 2,
      .layout = InformationLayout::kSquareRootFactor,
      .what = "landmark seen from a pose (x y)"},
+    kEquiv,
     kFix,
 };
 
@@ -257,20 +261,22 @@ constexpr TagSpec kDlrTags[] = {
      .measurement = 3,
      .angles = 0b100,
      .information = 3,
+     .layout = InformationLayout::kFullMatrix,
      .what = "relative pose in the plane (x y theta)"},
     {.name = "L",
      .variable_count = 2,
      .variables = {kPose2, kPoint2},
      .measurement = 2,
      .information = 2,
+     .layout = InformationLayout::kFullMatrix,
      .what = "landmark seen from a pose (x y)"},
 };
 
-// Tags that tell the format; FIX, EDGE2 and EDGE3 do not.
+// Tags that tell the format; FIX, EQUIV, EDGE2 and EDGE3 do not.
 std::optional<GraphFormat> format_of(std::string_view tag) {
-  if (tag == "FIX") return std::nullopt;
+  if (tag == kFix.name || tag == kEquiv.name) return std::nullopt;
   if (find_tag(GraphFormat::kG2o, tag)) return GraphFormat::kG2o;
-  if (tag == "VERTEX2" || tag == "VERTEX3" || tag == "EQUIV") return GraphFormat::kToro;
+  if (tag == "VERTEX2" || tag == "VERTEX3") return GraphFormat::kToro;
   if (tag == "ODOMETRY" || tag == "LANDMARK") return GraphFormat::kIsam;
   return std::nullopt;
 }

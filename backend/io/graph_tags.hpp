@@ -16,7 +16,7 @@ enum class TagRole : std::uint8_t {
   kEdge,         ///< variable ids, parameter ids, measurement, information
   kParameter,    ///< parameter id, value
   kFix,          ///< one or more variable ids
-  kEquivalence,  ///< two variable ids
+  kEquivalence,  ///< two variable ids of one pose
 };
 
 /// How the information columns of an edge are to be read (backend/io/README.md).
@@ -25,6 +25,7 @@ enum class InformationLayout : std::uint8_t {
   kG2oSe3,  ///< as above, the rotation for the imaginary part of the quaternion: not in radians
   kToro2,   ///< ff fs ss rr fr sr
   kSquareRootFactor,  ///< row-major upper triangle of R with Omega = R^T R
+  kFullMatrix,        ///< all of Omega, row-major
 };
 
 /// One kind of line. Columns behind the tag: variable ids, parameter ids, measurement (or value),
@@ -44,7 +45,10 @@ struct TagSpec {
   std::string_view what = {};         ///< for people: "relative pose in the plane (x y theta)"
 
   [[nodiscard]] int id_columns() const { return variable_count + parameter_count; }
-  [[nodiscard]] int information_columns() const { return information * (information + 1) / 2; }
+  [[nodiscard]] int information_columns() const {
+    return layout == InformationLayout::kFullMatrix ? information * information
+                                                    : information * (information + 1) / 2;
+  }
   /// All columns behind the tag. FIX takes any number of ids from one on.
   [[nodiscard]] int columns() const { return id_columns() + measurement + information_columns(); }
 };

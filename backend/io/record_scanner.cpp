@@ -189,6 +189,13 @@ std::size_t count_fields(const Record& record) {
   return count;
 }
 
+std::optional<Field> field_at(const Record& record, std::size_t index) {
+  FieldCursor fields(record);
+  std::optional<Field> field = fields.next();
+  for (; field && index > 0; --index) field = fields.next();
+  return field;
+}
+
 NumberFault parse_number(std::string_view text, double& value) {
   const std::string_view digits = without_plus(text);
   const char* end = digits.data() + digits.size();

@@ -61,6 +61,8 @@ class FieldCursor {
 };
 
 [[nodiscard]] std::size_t count_fields(const Record& record);
+/// The index-th field behind the tag, from 0.
+[[nodiscard]] std::optional<Field> field_at(const Record& record, std::size_t index);
 
 /// Why a field is not the number it should be.
 enum class NumberFault : std::uint8_t {

@@ -1,0 +1,118 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "cairn/io/graph_source.hpp"
+
+#include <algorithm>
+
+namespace cairn {
+namespace {
+
+bool is_letter(char c) { return (c >= 'A' && c <= 'Z') || (c >= 'a' && c <= 'z') || c == '_'; }
+
+// What begins a line we keep without understanding it; anything else is not a graph file.
+bool looks_like_tag(std::string_view text) {
+  constexpr std::size_t kLongest = 64;
+  const auto may_follow = [](char c) {
+    return is_letter(c) || (c >= '0' && c <= '9') || c == ':' || c == '.' || c == '-';
+  };
+  return text.size() <= kLongest && is_letter(text[0]) &&
+         std::all_of(text.begin(), text.end(), may_follow);
+}
+
+}  // namespace
+
+GraphSource::GraphSource(const NamedText& text, GraphFormat format)
+    : name_(text.name), text_(text.text), format_(format), entries_(graph_tags(format).size()) {
+  for (const TagSpec& tag : tags()) {
+    Entry& entry = entries_[index_of(tag)];
+    if (tag.role == TagRole::kEdge) entry.decoder = &edge_decoder(tag);
+    entry.has_twin = std::count_if(tags().begin(), tags().end(), [&](const TagSpec& other) {
+                       return other.name == tag.name;
+                     }) > 1;
+  }
+}
+
+Result<GraphSource> GraphSource::survey(const NamedText& text, std::optional<GraphFormat> format) {
+  if (!format) {
+    const Result<GraphFormat> recognized = recognize_graph_format(text.text, text.name);
+    if (!recognized) return recognized.error();
+    format = *recognized;
+  }
+  if (*format == GraphFormat::kDlr) {
+    return Error{ErrorCode::kUsage, "the dlr format is a folder, not a file", text.name};
+  }
+  GraphSource source(text, *format);
+  if (Result<void> counted = source.count_lines(); !counted) return counted.error();
+  if (!source.has_role(TagRole::kVertex) && !source.has_role(TagRole::kEdge)) {
+    return Error{ErrorCode::kBadInput,
+                 "holds no vertex and no edge in " + std::string(to_string(*format)) + " format",
+                 source.place(1)};
+  }
+  return source;
+}
+
+Result<void> GraphSource::count_lines() {
+  RecordScanner scanner(text_);
+  Record record;
+  const TagSpec* tag = nullptr;
+  while (scanner.next(record)) {
+    if (!tag || record.tag != tag->name) tag = find_tag(format_, record.tag);
+    if (tag) {
+      ++entries_[index_of(*tag)].lines;
+    } else if (Result<void> kept = keep_unknown(record); !kept) {
+      return kept;
+    }
+  }
+  return {};
+}
+
+Result<void> GraphSource::keep_unknown(const Record& record) {
+  if (!looks_like_tag(record.tag)) {
+    return Error{ErrorCode::kBadInput,
+                 "'" + quote(record.tag) + "' is not a tag; a line begins with a tag such as " +
+                     std::string(tags().front().name),
+                 place_in(name_, record.line_number, record.column_of(record.tag.data()))};
+  }
+  const std::size_t begin = static_cast<std::size_t>(record.line.data() - text_.data());
+  std::string_view line = text_.substr(begin, text_.find('\n', begin) - begin);
+  if (line.ends_with('\r')) line.remove_suffix(1);
+  unknown_lines_.emplace_back(line);
+  const auto same =
+      std::find_if(unknown_tags_.begin(), unknown_tags_.end(),
+                   [&](const UnknownTag& unknown) { return unknown.tag == record.tag; });
+  if (same != unknown_tags_.end()) {
+    ++same->lines;
+    return {};
+  }
+  constexpr std::size_t kMaxTags = 100;  // kinds of lines nobody knows: more is not a graph file
+  if (unknown_tags_.size() == kMaxTags) {
+    return Error{ErrorCode::kBadInput, "more than 100 unknown tags; this is not a graph file",
+                 place(record.line_number)};
+  }
+  unknown_tags_.push_back({std::string(record.tag), record.line_number, 1});
+  return {};
+}
+
+bool GraphSource::has_role(TagRole role) const {
+  for (const TagSpec& tag : tags()) {
+    if (tag.role == role && count(tag) > 0) return true;
+  }
+  return false;
+}
+
+Result<void> GraphSource::read(const Record& record, const TagSpec& tag, LineFields& fields) const {
+  fields.number_count = tag.measurement + tag.information_columns();
+  if (tag.information_optional &&
+      count_fields(record) == static_cast<std::size_t>(tag.id_columns() + tag.measurement)) {
+    fields.number_count = tag.measurement;
+  }
+  return read_fields(record, name_, {fields.ids.data(), static_cast<std::size_t>(tag.id_columns())},
+                     {fields.numbers.data(), static_cast<std::size_t>(fields.number_count)});
+}
+
+Error GraphSource::error_at(const Record& record, int field, std::string message) const {
+  const auto found = field_at(record, static_cast<std::size_t>(field));
+  return {ErrorCode::kBadInput, std::move(message),
+          place_in(name_, record.line_number, found ? found->column : 1)};
+}
+
+}  // namespace cairn

@@ -1,0 +1,16 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <array>
+
+#include "cairn/geometry/so3.hpp"
+
+namespace cairn {
+
+/// Rotations as TORO and iSAM write them: roll, pitch, yaw in rad, R = Rz(yaw) Ry(pitch) Rx(roll).
+So3 rotation_from_roll_pitch_yaw(const std::array<double, 3>& angles_rad);
+
+/// Back again, pitch in [-pi/2, pi/2], settled (settle.hpp).
+std::array<double, 3> roll_pitch_yaw_from_rotation(const So3& rotation);
+
+}  // namespace cairn
