@@ -14,7 +14,7 @@ constexpr double kTau = 2.0 * std::numbers::pi;
 Eigen::Vector3d Course::position(double station) const {
   const double angle = kTau * station / lap_m;
   const double radius_m = lap_m / kTau * (1.0 + 0.15 * std::cos(3.0 * angle));
-  const double z_m = 3.0 * std::sin(kTau * station / 25.0);
+  const double z_m = 4.0 * std::sin(kTau * station / 20.0);
   return {radius_m * std::cos(angle), radius_m * std::sin(angle), z_m};
 }
 

@@ -10,7 +10,7 @@ namespace {
 
 constexpr double kLaps = 3.0;
 constexpr double kLandmarkSpacingM = 2.0;  // along the course
-constexpr double kMinRangeM = 1.0, kMaxRangeM = 10.0;
+constexpr double kMinRangeM = 1.0, kMaxRangeM = 12.0;
 constexpr int kMinSightings =
     6;  // landmarks seen less often are left out: they would hang on few measurements
 constexpr std::uint32_t kNoNumber = ~std::uint32_t{0};
