@@ -28,6 +28,7 @@ struct Trajectory {
   TrajectoryFormat format = TrajectoryFormat::kTum;
   bool planar = false;  ///< from SE(2) poses: z, roll and pitch are zero
   std::vector<TrajectoryPose> poses{};
+  std::vector<std::string> warnings{};  ///< "file:line:column: message"
 };
 
 /// Reads TUM (`stamp tx ty tz qx qy qz qw`, s and m), KITTI (12 numbers, the upper 3 x 4 of
