@@ -25,7 +25,7 @@ Error cannot(const char* what, const std::string& path, int error) {
 // The file behind `path`: links are followed, so that a rename replaces what they point at.
 fs::path resolved(const std::string& path) {
   std::error_code ignored;
-  const fs::path target = fs::weakly_canonical(path, ignored);
+  const fs::path target = fs::weakly_canonical(fs::absolute(path, ignored), ignored);
   return target.empty() ? fs::path(path) : target;
 }
 

@@ -15,11 +15,11 @@ using Eigen::Vector3d;
 constexpr double kSide = 28.0, kTop = 118.0, kBottom = 92.0, kGutter = 24.0;
 constexpr double kOneScale = 5.0;  // panels whose extents differ more get scales of their own
 
-Result<std::vector<Scene>> make_scenes(const Graph& graph, std::span<const GraphView> views,
-                                       ErrorChart chart) {
+Result<std::vector<Scene>> make_scenes(std::span<const GraphView> views, ErrorChart chart) {
   std::vector<Scene> scenes;
   for (const GraphView& view : views) {
-    Result<Scene> scene = make_scene(graph, view.values ? *view.values : graph.values(), chart);
+    Result<Scene> scene =
+        make_scene(*view.graph, view.values ? *view.values : view.graph->values(), chart);
     if (!scene) return scene.error();
     scenes.push_back(std::move(*scene));
   }
@@ -98,11 +98,10 @@ void draw_legend(Canvas& canvas, const Scene& scene, bool has_truth, const Color
 
 }  // namespace
 
-Result<void> draw_graph(const Graph& graph, std::span<const GraphView> views,
-                        const std::string& path, const PictureOptions& options,
-                        const GraphTruth& truth, ErrorChart chart) {
-  CAIRN_CHECK(!views.empty(), "draw_graph needs a view");
-  Result<std::vector<Scene>> scenes = make_scenes(graph, views, chart);
+Result<void> draw_graphs(std::span<const GraphView> views, const std::string& path,
+                         const PictureOptions& options, const GraphTruth& truth, ErrorChart chart) {
+  CAIRN_CHECK(!views.empty(), "draw_graphs needs a view");
+  Result<std::vector<Scene>> scenes = make_scenes(views, chart);
   if (!scenes) return scenes.error();
   Result<std::vector<Path>> true_paths = make_truth(truth);
   if (!true_paths) return true_paths.error();
@@ -111,7 +110,7 @@ Result<void> draw_graph(const Graph& graph, std::span<const GraphView> views,
 
   const ColorScale residuals = residual_scale(*scenes);
   const std::vector<Window> windows = place_windows(*canvas, *scenes, *true_paths);
-  draw_heading(*canvas, options.title, describe(graph, scenes->back()));
+  draw_heading(*canvas, options.title, describe(*views.back().graph, scenes->back()));
   for (std::size_t i = 0; i < windows.size(); ++i) {
     const Rect& rect = windows[i].rect;
     canvas->text({rect.x, rect.y - 12}, views[i].caption, {.size = 17});

@@ -66,6 +66,17 @@ TEST(OutputFile, NamesAMissingFolder) {
             written.error().to_string());
 }
 
+TEST(OutputFile, TakesNamesWithoutAFolder) {
+  const cairn::test::TemporaryFolder folder;
+  const auto here = std::filesystem::current_path();
+  std::filesystem::current_path(folder.file(""));
+  EXPECT_TRUE(cairn::check_writable("plain.txt"));
+  EXPECT_TRUE(cairn::write_file("plain.txt", "x"));
+  EXPECT_TRUE(cairn::check_writable("plain.txt"));
+  std::filesystem::current_path(here);
+  EXPECT_EQ(read_file(folder.file("plain.txt")), "x");
+}
+
 TEST(OutputFile, RefusesAFolder) {
   const cairn::test::TemporaryFolder folder;
   EXPECT_FALSE(cairn::write_file(folder.file(""), "x"));

@@ -41,8 +41,9 @@ Graph spiral(int poses) {
 
 Result<void> draw(const Graph& graph, const std::string& path,
                   const PictureOptions& options = {.title = "spiral"}) {
-  const std::vector<GraphView> views{{.caption = "before"}, {.caption = "after"}};
-  return draw_graph(graph, views, path, options);
+  const std::vector<GraphView> views{{.graph = &graph, .caption = "before"},
+                                     {.graph = &graph, .caption = "after"}};
+  return draw_graphs(views, path, options);
 }
 
 TEST(GraphPicture, IsAPngOfTheSizeAskedFor) {
@@ -71,8 +72,8 @@ TEST(GraphPicture, ShowsSpatialGraphsWithLandmarksAndTruth) {
     ASSERT_TRUE(graph.add_pose3(VariableId{static_cast<std::uint64_t>(i)}, Se3(So3(), p)));
   }
   ASSERT_TRUE(graph.add_point3(VariableId{900}, {1.0, 2.0, 3.0}));
-  const std::vector<GraphView> views{{.caption = "helix"}};
-  ASSERT_TRUE(draw_graph(graph, views, folder.file("a.png"), {}, {.graph = &graph}));
+  const std::vector<GraphView> views{{.graph = &graph, .caption = "helix"}};
+  ASSERT_TRUE(draw_graphs(views, folder.file("a.png"), {}, {.graph = &graph}));
   EXPECT_TRUE(png_size(read_file(folder.file("a.png"))));
 }
 

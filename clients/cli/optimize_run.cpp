@@ -1,0 +1,156 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
+#include <thread>
+
+#include "cairn/core/output_file.hpp"
+#include "cairn/core/stopwatch.hpp"
+#include "cairn/solver/optimize.hpp"
+#include "clients/cli/console.hpp"
+#include "clients/cli/covariances.hpp"
+#include "clients/cli/fail.hpp"
+#include "clients/cli/interrupt.hpp"
+#include "clients/cli/optimize.hpp"
+#include "clients/cli/optimize_picture.hpp"
+#include "clients/cli/outputs.hpp"
+#include "clients/cli/summary.hpp"
+#include "clients/cli/verb.hpp"
+
+namespace cairn::cli {
+namespace {
+
+Result<SolveOptions> solve_options(const OptimizeArguments& a) {
+  SolveOptions options = a.solve;
+  Result<RobustLoss> loss = RobustLoss::parse(a.loss);
+  if (!loss) return Error{loss.error().code, loss.error().message, "--loss"};
+  options.loss = *loss;
+  if (options.threads == 0)
+    options.threads = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
+  return options;
+}
+
+Result<void> check_arguments(const OptimizeArguments& a) {
+  if (std::count(a.inputs.begin(), a.inputs.end(), "-") + (a.truth == "-" ? 1 : 0) > 1) {
+    return Error{ErrorCode::kUsage, "standard input ('-') can be read only once"};
+  }
+  if (!a.plot.empty()) {
+    if (Result<void> picture = check_picture(a.plot); !picture) return picture;
+  }
+  return check_outputs({a.output, a.json, a.plot, a.covariances});
+}
+
+// The graph with what is reported about it, before and after.
+struct Job {
+  GraphDocument document;
+  Values input_values{};  ///< kept where a picture or the truth needs them
+  std::optional<Graph> truth{};
+  OptimizeReport report{};
+};
+
+Result<Job> read_job(const OptimizeArguments& a) {
+  const Stopwatch watch;
+  Result<GraphDocument> document = read_graphs(a.inputs, {.format = a.format, .strict = a.strict});
+  if (!document) return document.error();
+  Job job{.document = std::move(*document)};
+  job.report = {.inputs = a.inputs,
+                .vertices = job.document.graph.variables().size(),
+                .edges = job.document.graph.factor_count(),
+                .chart = a.solve.chart,
+                .read_s = watch.seconds()};
+  const std::vector<bool>& has_start = job.document.has_start;
+  if (std::find(has_start.begin(), has_start.end(), true) != has_start.end()) {
+    job.report.input_chi2 = compute_chi2(job.document.graph, a.solve.chart);
+  }
+  if (!a.plot.empty() || !a.truth.empty()) job.input_values = job.document.graph.values();
+  if (a.truth.empty()) return job;
+  Result<GraphDocument> truth = read_graph(a.truth);
+  if (!truth) return truth.error();
+  job.truth = std::move(truth->graph);
+  return job;
+}
+
+SolveSummary solve(Graph& graph, SolveOptions options, const Console& console) {
+  const Stopwatch watch;
+  console.show_progress("initializing");
+  options.on_iteration = [&](int iteration, const IterationReport& report) {
+    console.show_progress(progress_line(iteration, report, watch.seconds()));
+    return !InterruptGuard::interrupted();
+  };
+  SolveSummary summary = optimize(graph, options);
+  console.clear_progress();
+  return summary;
+}
+
+Result<void> write_results(const OptimizeArguments& a, const SolveOptions& options, Job& job,
+                           const Console& console) {
+  if (!a.covariances.empty()) {
+    const Result<std::string> text = covariance_text(job.document.graph, options);
+    if (!text) return text.error();
+    if (Result<void> written = write_file(a.covariances, *text); !written) return written;
+    console.say("covariances:   " + a.covariances);
+  }
+  if (!a.plot.empty()) {
+    const Graph* truth = job.truth ? &*job.truth : nullptr;
+    const BeforeAndAfter picture{job.document.graph, job.input_values, job.report, truth};
+    if (Result<void> drawn = draw_before_and_after(picture, a.plot); !drawn) return drawn;
+    console.say("picture:       " + a.plot);
+  }
+  if (!a.output.empty()) {
+    const Stopwatch watch;
+    Result<void> written = write_graph(job.document, a.output, output_format(a.to, a.output));
+    if (!written) return written;
+    job.report.write_s = watch.seconds();
+    if (a.output != "-") console.say("graph:         " + a.output);
+  }
+  return {};
+}
+
+Result<void> say_truth(const Job& job, const Console& console) {
+  if (!job.truth) return {};
+  const Graph& graph = job.document.graph;
+  const auto before = compare_with_truth(graph, job.input_values, *job.truth);
+  const auto after = compare_with_truth(graph, graph.values(), *job.truth);
+  if (!before) return before.error();
+  if (!after) return after.error();
+  console.say(truth_line(*before, *after));
+  return {};
+}
+
+int finish(const OptimizeArguments& a, const SolveOptions& options, Job& job,
+           const Console& console) {
+  const SolveSummary& summary = job.report.summary;
+  const bool refused = a.strict && summary.status == SolveStatus::kPartiallyConstrained;
+  const bool accepted = summary.usable() && !refused;
+  Result<void> done = say_truth(job, console);
+  if (done && accepted) done = write_results(a, options, job, console);
+  if (!done) return fail(done.error());
+  if (!a.json.empty()) {
+    if (Result<void> written = write_file(a.json, json_text(job.report)); !written)
+      return fail(written.error());
+  }
+  if (accepted) return kDone;
+  Console::warn(why_not_usable(summary, refused));
+  return kNotUsable;
+}
+
+}  // namespace
+
+int run_optimize(const OptimizeArguments& a) {
+  const Result<SolveOptions> options = solve_options(a);
+  if (!options) return fail(options.error());
+  if (Result<void> checked = check_arguments(a); !checked) return fail(checked.error());
+  const bool stdout_is_output = a.output == "-" || a.json == "-" || a.covariances == "-";
+  const Console console(stdout_is_output, a.quiet);
+
+  Result<Job> job = read_job(a);
+  if (!job) return fail(job.error());
+  for (const std::string& line : warning_lines(job->document.warnings)) Console::warn(line);
+  const InterruptGuard guard;  // from here on the first Ctrl-C stops the solver, not the program
+  console.say(input_line(job->report));
+  job->report.summary = solve(job->document.graph, *options, console);
+  for (const std::string& line : solve_lines(job->report)) console.say(line);
+  if (!job->report.summary.under_constrained.empty())
+    Console::warn(under_constrained_line(job->report.summary));
+  return finish(a, *options, *job, console);
+}
+
+}  // namespace cairn::cli
