@@ -42,6 +42,10 @@ struct Tables {
       options.insert(options.end(), names.begin(), names.end());
       add_values(*option, names, path);
     }
+    for (const CLI::Option* positional : positionals(app)) {
+      const std::vector<std::string> words = choices_of(*positional);
+      below.insert(below.end(), words.begin(), words.end());
+    }
     for (const CLI::App* verb : visible_verbs(app)) {
       below.push_back(verb->get_name());
       verbs += "      \"" + path + " " + verb->get_name() + "\") verb=\"" + path + " " +

@@ -69,7 +69,9 @@ void add_solver_options(CLI::App& verb, OptimizeArguments& a) {
 
 void add_report_options(CLI::App& verb, OptimizeArguments& a) {
   verb.add_option("--json", a.json, "write a report for programs")->type_name("REPORT");
-  verb.add_option("--plot", a.plot, "draw the graph before and after")
+  verb.add_option("--plot", a.plots, "draw the graph before and after; may be repeated")
+      ->default_str("")
+      ->allow_extra_args(false)
       ->type_name("OUT.svg|OUT.png");
   verb.add_option("--covariances", a.covariances,
                   "write marginal covariances: id,dim,upper triangle (m, rad)")

@@ -18,7 +18,8 @@ struct OptimizeArguments {
   SolveOptions solve{.init = InitMethod::kAuto,
                      .threads = 0};  ///< threads 0: as many as there are processors
   std::string loss = "none";
-  std::string json, plot, covariances, truth;
+  std::string json, covariances, truth;
+  std::vector<std::string> plots;
   bool strict = false, quiet = false;
 };
 

@@ -32,10 +32,12 @@ Result<void> check_arguments(const OptimizeArguments& a) {
   if (std::count(a.inputs.begin(), a.inputs.end(), "-") + (a.truth == "-" ? 1 : 0) > 1) {
     return Error{ErrorCode::kUsage, "standard input ('-') can be read only once"};
   }
-  if (!a.plot.empty()) {
-    if (Result<void> picture = check_picture(a.plot); !picture) return picture;
+  std::vector<std::string> outputs{a.output, a.json, a.covariances};
+  for (const std::string& plot : a.plots) {
+    if (Result<void> picture = check_picture(plot); !picture) return picture;
+    outputs.push_back(plot);
   }
-  return check_outputs({a.output, a.json, a.plot, a.covariances});
+  return check_outputs(outputs);
 }
 
 // The graph with what is reported about it, before and after.
@@ -60,7 +62,7 @@ Result<Job> read_job(const OptimizeArguments& a) {
   if (std::find(has_start.begin(), has_start.end(), true) != has_start.end()) {
     job.report.input_chi2 = compute_chi2(job.document.graph, a.solve.chart);
   }
-  if (!a.plot.empty() || !a.truth.empty()) job.input_values = job.document.graph.values();
+  if (!a.plots.empty() || !a.truth.empty()) job.input_values = job.document.graph.values();
   if (a.truth.empty()) return job;
   Result<GraphDocument> truth = read_graph(a.truth);
   if (!truth) return truth.error();
@@ -88,11 +90,11 @@ Result<void> write_results(const OptimizeArguments& a, const SolveOptions& optio
     if (Result<void> written = write_file(a.covariances, *text); !written) return written;
     console.say("covariances:   " + a.covariances);
   }
-  if (!a.plot.empty()) {
+  for (const std::string& plot : a.plots) {
     const Graph* truth = job.truth ? &*job.truth : nullptr;
     const BeforeAndAfter picture{job.document.graph, job.input_values, job.report, truth};
-    if (Result<void> drawn = draw_before_and_after(picture, a.plot); !drawn) return drawn;
-    console.say("picture:       " + a.plot);
+    if (Result<void> drawn = draw_before_and_after(picture, plot); !drawn) return drawn;
+    console.say("picture:       " + plot);
   }
   if (!a.output.empty()) {
     const Stopwatch watch;
