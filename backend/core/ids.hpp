@@ -14,7 +14,8 @@ struct StrongId {
   friend constexpr auto operator<=>(StrongId, StrongId) = default;
 };
 
-/// Names a variable; what a graph file calls the vertex id. 64 bits, sparse (multi-robot files keep the robot in the top byte).
+/// Names a variable; what a graph file calls the vertex id. 64 bits, sparse (multi-robot files keep
+/// the robot in the top byte).
 using VariableId = StrongId<struct VariableIdTag, std::uint64_t>;
 /// Names a sensor offset; what g2o calls the parameter id. A number space of its own.
 using ParameterId = StrongId<struct ParameterIdTag, std::int64_t>;
@@ -24,7 +25,8 @@ using ParameterId = StrongId<struct ParameterIdTag, std::int64_t>;
 template <class Tag, class Integer>
 struct std::hash<cairn::StrongId<Tag, Integer>> {
   std::size_t operator()(cairn::StrongId<Tag, Integer> id) const noexcept {
-    // Fibonacci hashing: consecutive ids must not share low bits with the robot key in the top byte.
+    // Fibonacci hashing: consecutive ids must not share low bits with the robot key in the top
+    // byte.
     std::uint64_t x = static_cast<std::uint64_t>(id.value);
     x ^= x >> 32;
     return static_cast<std::size_t>(x * 0x9E3779B97F4A7C15ULL >> 7);

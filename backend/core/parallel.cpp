@@ -7,7 +7,8 @@
 
 namespace cairn {
 
-// Workers spin briefly before they sleep: one linearization takes tens of microseconds, a wake-up about as long.
+// Workers spin briefly before they sleep: one linearization takes tens of microseconds, a wake-up
+// about as long.
 struct ThreadPool::State {
   std::vector<std::jthread> workers;
   std::atomic<std::uint32_t> generation{0};
@@ -24,7 +25,8 @@ struct ThreadPool::State {
   void work() {
     std::uint32_t seen = 0;
     while (true) {
-      for (int spin = 0; spin < 2000 && generation.load(std::memory_order_acquire) == seen; ++spin) {
+      for (int spin = 0; spin < 2000 && generation.load(std::memory_order_acquire) == seen;
+           ++spin) {
       }
       generation.wait(seen, std::memory_order_acquire);
       seen = generation.load(std::memory_order_acquire);
@@ -37,7 +39,8 @@ struct ThreadPool::State {
 };
 
 ThreadPool::ThreadPool(int threads) : state_(std::make_unique<State>()) {
-  for (int i = 1; i < threads; ++i) state_->workers.emplace_back([state = state_.get()] { state->work(); });
+  for (int i = 1; i < threads; ++i)
+    state_->workers.emplace_back([state = state_.get()] { state->work(); });
 }
 
 ThreadPool::~ThreadPool() {

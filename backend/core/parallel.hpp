@@ -19,7 +19,8 @@ class ThreadPool {
 
   [[nodiscard]] int threads() const;
 
-  /// Calls `body(i)` once for each i in [0, count), from any thread in any order; returns when all are done.
+  /// Calls `body(i)` once for each i in [0, count), from any thread in any order; returns when all
+  /// are done.
   void run(std::size_t count, const std::function<void(std::size_t)>& body);
 
  private:

@@ -26,15 +26,19 @@ struct Error {
   std::string place{};
 
   /// "place: message", or just the message where there is no place.
-  [[nodiscard]] std::string to_string() const { return place.empty() ? message : place + ": " + message; }
+  [[nodiscard]] std::string to_string() const {
+    return place.empty() ? message : place + ": " + message;
+  }
 };
 
 /// A value or the Error that prevented it. Check before reading: reading the wrong side aborts.
 template <class T>
 class [[nodiscard]] Result {
  public:
-  Result(T value) : state_(std::in_place_index<0>, std::move(value)) {}   // NOLINT(google-explicit-constructor)
-  Result(Error error) : state_(std::in_place_index<1>, std::move(error)) {}  // NOLINT(google-explicit-constructor)
+  Result(T value)
+      : state_(std::in_place_index<0>, std::move(value)) {}  // NOLINT(google-explicit-constructor)
+  Result(Error error)
+      : state_(std::in_place_index<1>, std::move(error)) {}  // NOLINT(google-explicit-constructor)
 
   [[nodiscard]] bool ok() const { return state_.index() == 0; }
   explicit operator bool() const { return ok(); }

@@ -22,7 +22,8 @@ BlockGraph BlockGraph::from_pairs(int size, std::span<const std::pair<int, int>>
     neighbors[begin[i + 1]++] = j;
     neighbors[begin[j + 1]++] = i;
   }
-  begin.pop_back();  // begin[i + 1] has moved to the end of list i, which is where list i + 1 begins
+  begin
+      .pop_back();  // begin[i + 1] has moved to the end of list i, which is where list i + 1 begins
   BlockGraph graph{std::move(begin), std::move(neighbors)};
   int kept = 0;
   for (int i = 0, first = 0; i < size; ++i) {
@@ -59,7 +60,8 @@ void fill_rows(const BlockGraph& graph, std::span<const int> position, BlockPatt
   for (int j = 0; j < n; ++j) {
     const int block = block_at[j];
     int below = 1;
-    for (int k = graph.begin[block]; k < graph.begin[block + 1]; ++k) below += position[graph.neighbors[k]] > j;
+    for (int k = graph.begin[block]; k < graph.begin[block + 1]; ++k)
+      below += position[graph.neighbors[k]] > j;
     pattern.column_begin[j + 1] = pattern.column_begin[j] + below;
   }
   pattern.row.resize(static_cast<std::size_t>(pattern.column_begin[n]));
@@ -84,7 +86,8 @@ BlockPattern BlockPattern::build(const BlockGraph& graph, std::span<const int> p
   pattern.dimension.resize(n);
   for (int i = 0; i < n; ++i) pattern.dimension[position[i]] = dimension[i];
   pattern.scalar_begin.assign(static_cast<std::size_t>(n) + 1, 0);
-  std::partial_sum(pattern.dimension.begin(), pattern.dimension.end(), pattern.scalar_begin.begin() + 1);
+  std::partial_sum(pattern.dimension.begin(), pattern.dimension.end(),
+                   pattern.scalar_begin.begin() + 1);
   pattern.row_offset.resize(pattern.row.size());
   pattern.height.resize(n);
   pattern.value_begin.assign(static_cast<std::size_t>(n) + 1, 0);
@@ -96,7 +99,8 @@ BlockPattern BlockPattern::build(const BlockGraph& graph, std::span<const int> p
     }
     pattern.height[j] = height;
     pattern.value_begin[j + 1] =
-        pattern.value_begin[j] + static_cast<std::size_t>(height) * static_cast<std::size_t>(pattern.dimension[j]);
+        pattern.value_begin[j] +
+        static_cast<std::size_t>(height) * static_cast<std::size_t>(pattern.dimension[j]);
   }
   return pattern;
 }
@@ -105,7 +109,8 @@ void multiply(const BlockPattern& pattern, const double* values, const double* x
   std::fill_n(y, pattern.scalar_size(), 0.0);
   for (int j = 0; j < pattern.size(); ++j) {
     for (int column = 0; column < pattern.dimension[j]; ++column) {
-      const double* panel_column = values + pattern.value_begin[j] + static_cast<std::size_t>(column) * pattern.height[j];
+      const double* panel_column =
+          values + pattern.value_begin[j] + static_cast<std::size_t>(column) * pattern.height[j];
       const int own = pattern.scalar_begin[j] + column;
       double dot = 0.0;  // rows below the diagonal block also act as columns
       for (int k = pattern.column_begin[j]; k < pattern.column_begin[j + 1]; ++k) {

@@ -9,7 +9,8 @@
 
 namespace cairn {
 
-/// Undirected graph of the off-diagonal blocks of a symmetric block matrix: both directions, no loops, no repeats.
+/// Undirected graph of the off-diagonal blocks of a symmetric block matrix: both directions, no
+/// loops, no repeats.
 struct BlockGraph {
   std::vector<int> begin;      ///< size() + 1
   std::vector<int> neighbors;  ///< of block i: neighbors[begin[i] .. begin[i + 1]), ascending
@@ -19,9 +20,10 @@ struct BlockGraph {
   static BlockGraph from_pairs(int size, std::span<const std::pair<int, int>> pairs);
 };
 
-/// Where the non-zero blocks of a symmetric matrix are, in elimination order, lower triangle with full diagonal
-/// blocks. The values of block column j form one dense column-major panel: height[j] rows by dimension[j] columns,
-/// starting at value_begin[j]; its first rows are the diagonal block, then the blocks below in row order.
+/// Where the non-zero blocks of a symmetric matrix are, in elimination order, lower triangle with
+/// full diagonal blocks. The values of block column j form one dense column-major panel: height[j]
+/// rows by dimension[j] columns, starting at value_begin[j]; its first rows are the diagonal block,
+/// then the blocks below in row order.
 struct BlockPattern {
   std::vector<int> dimension;            ///< of each block
   std::vector<int> scalar_begin;         ///< size() + 1: first scalar row of each block

@@ -56,8 +56,8 @@ class CholmodSolver final : public LinearSolver {
     const SingleThreadBlas single_thread;
     const std::size_t n = factor_->n;
     cholmod_dense rhs{n, 1, n, n, const_cast<double*>(b), nullptr, CHOLMOD_REAL, CHOLMOD_DOUBLE};
-    const int ok =
-        cholmod_solve2(CHOLMOD_A, factor_, &rhs, nullptr, &x_, nullptr, &y_workspace_, &e_workspace_, &common_);
+    const int ok = cholmod_solve2(CHOLMOD_A, factor_, &rhs, nullptr, &x_, nullptr, &y_workspace_,
+                                  &e_workspace_, &common_);
     CAIRN_CHECK(ok, "CHOLMOD could not solve (out of memory?)");
     std::copy_n(static_cast<const double*>(x_->x), n, x);
   }
@@ -85,8 +85,11 @@ class CholmodSolver final : public LinearSolver {
     cholmod_factor* packed = factor_;  // simplicial: every column is a supernode of its own
     cholmod_change_factor(CHOLMOD_REAL, 1, 0, 1, 1, packed, &common_);
     const std::span<const int> p{static_cast<const int*>(packed->p), n + 1};
-    return SupernodalFactor{
-        columns_, p, p, {static_cast<const int*>(packed->i), packed->nzmax}, static_cast<const double*>(packed->x)};
+    return SupernodalFactor{columns_,
+                            p,
+                            p,
+                            {static_cast<const int*>(packed->i), packed->nzmax},
+                            static_cast<const double*>(packed->x)};
   }
 
  private:

@@ -34,7 +34,11 @@ class EigenSolver final : public LinearSolver {
   using Matrix = Eigen::SparseMatrix<double>;
 
   [[nodiscard]] Eigen::Map<const Matrix> view(const double* values) const {
-    return {size_, size_, static_cast<Eigen::Index>(scalar_.row.size()), scalar_.begin.data(), scalar_.row.data(),
+    return {size_,
+            size_,
+            static_cast<Eigen::Index>(scalar_.row.size()),
+            scalar_.begin.data(),
+            scalar_.row.data(),
             values};
   }
 

@@ -67,8 +67,8 @@ std::vector<int> postorder(std::span<const int> parent) {
 }
 
 // Each row of the factor is a subtree of the elimination tree: walk it once, marking.
-std::vector<int> column_counts(const BlockGraph& graph, std::span<const int> order, std::span<const int> position,
-                               std::span<const int> parent) {
+std::vector<int> column_counts(const BlockGraph& graph, std::span<const int> order,
+                               std::span<const int> position, std::span<const int> parent) {
   const int n = graph.size();
   std::vector<int> count(n, 1), mark(n, -1);
   for (int i = 0; i < n; ++i) {
@@ -90,8 +90,8 @@ std::vector<int> amd_order_of(const BlockGraph& graph) {
     std::iota(order.begin(), order.end(), 0);
     return order;
   }
-  const int status =
-      amd_order(graph.size(), graph.begin.data(), graph.neighbors.data(), order.data(), nullptr, nullptr);
+  const int status = amd_order(graph.size(), graph.begin.data(), graph.neighbors.data(),
+                               order.data(), nullptr, nullptr);
   CAIRN_CHECK(status == AMD_OK, "amd_order failed");
   return order;
 }
@@ -124,7 +124,8 @@ double Elimination::block_operations() const {
   return operations;
 }
 
-Elimination analyze_elimination(const BlockGraph& graph, std::span<const int> order, std::string_view method) {
+Elimination analyze_elimination(const BlockGraph& graph, std::span<const int> order,
+                                std::string_view method) {
   const std::vector<int> unordered = inverse_permutation(order);
   const std::vector<int> post = postorder(elimination_tree(graph, order, unordered));
   std::vector<int> ordered(order.size());

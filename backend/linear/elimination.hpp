@@ -20,11 +20,13 @@ struct Elimination {
   [[nodiscard]] double block_operations() const;
 };
 
-/// Approximate minimum degree; for graphs where factorization dominates, nested dissection is tried too and the
-/// cheaper one kept. Deterministic.
+/// Approximate minimum degree; for graphs where factorization dominates, nested dissection is tried
+/// too and the cheaper one kept. Deterministic.
 Elimination find_elimination(const BlockGraph& graph);
 
-/// Postorders `order` (block at each place) by its elimination tree and counts the factor's columns.
-Elimination analyze_elimination(const BlockGraph& graph, std::span<const int> order, std::string_view method);
+/// Postorders `order` (block at each place) by its elimination tree and counts the factor's
+/// columns.
+Elimination analyze_elimination(const BlockGraph& graph, std::span<const int> order,
+                                std::string_view method);
 
 }  // namespace cairn

@@ -11,10 +11,10 @@
 
 namespace cairn {
 
-/// A read-only view of a Cholesky factor L (A = L L^T) in supernodal storage. Supernode k holds the columns
-/// super[k] .. super[k + 1) over the rows s[pi[k] .. pi[k + 1]), ascending, its own columns first, as one dense
-/// column-major panel x[px[k] ..] whose leading dimension is the number of rows. Above the diagonal of the first
-/// rows the panel holds no meaning.
+/// A read-only view of a Cholesky factor L (A = L L^T) in supernodal storage. Supernode k holds the
+/// columns super[k] .. super[k + 1) over the rows s[pi[k] .. pi[k + 1]), ascending, its own columns
+/// first, as one dense column-major panel x[px[k] ..] whose leading dimension is the number of
+/// rows. Above the diagonal of the first rows the panel holds no meaning.
 struct SupernodalFactor {
   std::span<const int> super;
   std::span<const int> pi;
@@ -30,16 +30,19 @@ struct SupernodalFactor {
   }
 };
 
-/// Solves A x = b for symmetric positive definite A: one pattern, many values. Knows nothing of poses. One thread.
+/// Solves A x = b for symmetric positive definite A: one pattern, many values. Knows nothing of
+/// poses. One thread.
 class LinearSolver {
  public:
   virtual ~LinearSolver() = default;
 
   /// Prepares for a pattern, which must outlive the solver. Called once, first.
   virtual void analyze(const BlockPattern& pattern, const Elimination& elimination) = 0;
-  /// Takes the values of the pattern. False when A is not positive definite; another factorize may follow.
+  /// Takes the values of the pattern. False when A is not positive definite; another factorize may
+  /// follow.
   [[nodiscard]] virtual bool factorize(const double* values) = 0;
-  /// x = A^-1 b with the values of the last successful factorize; b and x (pattern.scalar_size()) may be the same.
+  /// x = A^-1 b with the values of the last successful factorize; b and x (pattern.scalar_size())
+  /// may be the same.
   virtual void solve(const double* b, double* x) = 0;
 
   /// Numbers stored in the factor; nothing for methods without one.

@@ -48,7 +48,8 @@ class PcgSolver final : public LinearSolver {
   }
 
  private:
-  // An inexact step costs outer iterations, not accuracy; a long chain needs thousands of inner ones.
+  // An inexact step costs outer iterations, not accuracy; a long chain needs thousands of inner
+  // ones.
   static constexpr double kRelativeTolerance = 1e-8;
   static constexpr int kMaxIterations = 20000;
 

@@ -7,8 +7,9 @@
 
 namespace cairn {
 
-/// The compressed columns behind a BlockPattern, for libraries that know scalars only. Its values are the pattern's
-/// values, unchanged: lower triangle plus the upper halves of the diagonal blocks.
+/// The compressed columns behind a BlockPattern, for libraries that know scalars only. Its values
+/// are the pattern's values, unchanged: lower triangle plus the upper halves of the diagonal
+/// blocks.
 struct ScalarPattern {
   std::vector<int> begin;
   std::vector<int> row;

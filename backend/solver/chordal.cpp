@@ -9,12 +9,14 @@
 namespace cairn {
 namespace {
 
-// Least squares over sum_e weight_e |x_b - M_e x_a - c_e|^2, with one d x d matrix M per edge and k right-hand
-// sides, over the poses that are not held. The same blocks for every d, so one elimination serves all.
+// Least squares over sum_e weight_e |x_b - M_e x_a - c_e|^2, with one d x d matrix M per edge and k
+// right-hand sides, over the poses that are not held. The same blocks for every d, so one
+// elimination serves all.
 template <class Pose>
 class EdgeLeastSquares {
  public:
-  explicit EdgeLeastSquares(const RelativePoseGraph<Pose>& graph) : graph_(graph), block_of_(graph.held.size(), -1) {
+  explicit EdgeLeastSquares(const RelativePoseGraph<Pose>& graph)
+      : graph_(graph), block_of_(graph.held.size(), -1) {
     int blocks = 0;
     for (std::size_t pose = 0; pose < graph.held.size(); ++pose) {
       if (!graph.held[pose]) block_of_[pose] = blocks++;
@@ -40,7 +42,8 @@ class EdgeLeastSquares {
     using Rows = Eigen::Matrix<double, d, Eigen::Dynamic>;
     const auto block = [&](int entry, int column) {
       return Eigen::Map<Block, 0, Eigen::OuterStride<>>(
-          values.data() + pattern.value_begin[column] + static_cast<std::size_t>(pattern.row_offset[entry]),
+          values.data() + pattern.value_begin[column] +
+              static_cast<std::size_t>(pattern.row_offset[entry]),
           Eigen::OuterStride<>(pattern.height[column]));
     };
     for (const auto& edge : graph_.edges) {
@@ -48,7 +51,8 @@ class EdgeLeastSquares {
       const Block M = matrix(edge);
       const Rows c = constant(edge);
       const int a = position(edge.measured.a), b = position(edge.measured.b);
-      const Rows x_a = x.middleRows<d>(d * edge.measured.a), x_b = x.middleRows<d>(d * edge.measured.b);
+      const Rows x_a = x.middleRows<d>(d * edge.measured.a),
+                 x_b = x.middleRows<d>(d * edge.measured.b);
       if (a >= 0) {
         block(pattern.column_begin[a], a) += w * (M.transpose() * M);
         rhs.middleRows<d>(d * a) += w * M.transpose() * ((b < 0 ? x_b : Rows(0.0 * x_b)) - c);
@@ -58,13 +62,17 @@ class EdgeLeastSquares {
         rhs.middleRows<d>(d * b) += w * (c + (a < 0 ? Rows(M * x_a) : Rows(0.0 * x_a)));
       }
       if (a < 0 || b < 0) continue;
-      if (a > b) block(pattern.find(a, b), b) -= w * M.transpose();  // block (a, b) couples row a with column b
-      else block(pattern.find(b, a), a) -= w * M;
+      if (a > b)
+        block(pattern.find(a, b), b) -=
+            w * M.transpose();  // block (a, b) couples row a with column b
+      else
+        block(pattern.find(b, a), a) -= w * M;
     }
     const std::unique_ptr<LinearSolver> linear = make_cholmod_solver();
     linear->analyze(pattern, elimination_);
     if (!linear->factorize(values.data())) return false;
-    for (Eigen::Index k = 0; k < rhs.cols(); ++k) linear->solve(rhs.col(k).data(), rhs.col(k).data());
+    for (Eigen::Index k = 0; k < rhs.cols(); ++k)
+      linear->solve(rhs.col(k).data(), rhs.col(k).data());
     for (std::size_t pose = 0; pose < block_of_.size(); ++pose) {
       if (block_of_[pose] < 0) continue;
       const auto index = static_cast<std::uint32_t>(pose);
@@ -92,7 +100,8 @@ bool solve_rotations(const RelativePoseGraph<Se2>& graph, const EdgeLeastSquares
                      std::vector<So2>& rotations) {
   Eigen::MatrixXd x(2 * graph.held.size(), 1);
   for (std::size_t i = 0; i < rotations.size(); ++i) {
-    x.middleRows<2>(static_cast<Eigen::Index>(2 * i)) = Eigen::Vector2d(rotations[i].cos(), rotations[i].sin());
+    x.middleRows<2>(static_cast<Eigen::Index>(2 * i)) =
+        Eigen::Vector2d(rotations[i].cos(), rotations[i].sin());
   }
   const bool solved = system.solve<2>(
       x, [](const Edge2& edge) { return edge.measured.T_a_b.rotation().matrix(); },
@@ -106,7 +115,8 @@ bool solve_rotations(const RelativePoseGraph<Se2>& graph, const EdgeLeastSquares
   return true;
 }
 
-// Rotations in space as the columns of R^T, one right-hand side per row of R: x_b = R(measured)^T x_a.
+// Rotations in space as the columns of R^T, one right-hand side per row of R: x_b = R(measured)^T
+// x_a.
 bool solve_rotations(const RelativePoseGraph<Se3>& graph, const EdgeLeastSquares<Se3>& system,
                      std::vector<So3>& rotations) {
   Eigen::MatrixXd x(3 * graph.held.size(), 3);
@@ -114,12 +124,16 @@ bool solve_rotations(const RelativePoseGraph<Se3>& graph, const EdgeLeastSquares
     x.middleRows<3>(static_cast<Eigen::Index>(3 * i)) = rotations[i].matrix().transpose();
   }
   const bool solved = system.solve<3>(
-      x, [](const Edge3& edge) { return Eigen::Matrix3d(edge.measured.T_a_b.rotation().matrix().transpose()); },
+      x,
+      [](const Edge3& edge) {
+        return Eigen::Matrix3d(edge.measured.T_a_b.rotation().matrix().transpose());
+      },
       [](const Edge3&) { return Eigen::Matrix3d::Zero(); },
       [](const Edge3& edge) { return edge.measured.rotation_weight; });
   if (!solved) return false;
   for (std::size_t i = 0; i < rotations.size(); ++i) {
-    if (!graph.held[i]) rotations[i] = So3::project(x.middleRows<3>(static_cast<Eigen::Index>(3 * i)).transpose());
+    if (!graph.held[i])
+      rotations[i] = So3::project(x.middleRows<3>(static_cast<Eigen::Index>(3 * i)).transpose());
   }
   return true;
 }
@@ -133,7 +147,8 @@ std::vector<std::uint32_t> roots_to_hold(const RelativePoseGraph<Pose>& graph) {
     while (!stack.empty()) {
       const std::uint32_t pose = stack.back();
       stack.pop_back();
-      for (std::uint32_t k = graph.incidence_begin[pose]; k < graph.incidence_begin[pose + 1]; ++k) {
+      for (std::uint32_t k = graph.incidence_begin[pose]; k < graph.incidence_begin[pose + 1];
+           ++k) {
         const std::uint32_t other = graph.incidences[k].other;
         if (reached[other]) continue;
         reached[other] = true;
@@ -184,7 +199,8 @@ bool chordal_poses(const RelativePoseGraph<Pose>& source, std::vector<Pose>& pos
       [](const Edge& edge) { return edge.measured.translation_weight; });
   if (!solved) return false;
   for (std::size_t i = 0; i < poses.size(); ++i) {
-    poses[i] = Pose(rotations[i], Translation(positions.row(static_cast<Eigen::Index>(i)).transpose()));
+    poses[i] =
+        Pose(rotations[i], Translation(positions.row(static_cast<Eigen::Index>(i)).transpose()));
   }
   return true;
 }

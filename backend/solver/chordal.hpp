@@ -6,10 +6,11 @@
 
 namespace cairn {
 
-/// Chordal initialization (Martinec & Pajdla 2007; Carlone et al. 2015, section IV): rotations by linear least
-/// squares over unconstrained matrices, each projected to the nearest rotation, then translations by linear least
-/// squares. No start is needed; held poses keep their value, and a component without one is tied at its smallest id.
-/// False (and `poses` unchanged) when a system is singular.
+/// Chordal initialization (Martinec & Pajdla 2007; Carlone et al. 2015, section IV): rotations by
+/// linear least squares over unconstrained matrices, each projected to the nearest rotation, then
+/// translations by linear least squares. No start is needed; held poses keep their value, and a
+/// component without one is tied at its smallest id. False (and `poses` unchanged) when a system is
+/// singular.
 template <class Pose>
 bool chordal_poses(const RelativePoseGraph<Pose>& graph, std::vector<Pose>& poses);
 

@@ -82,7 +82,8 @@ class Initializer {
   }
 
   [[nodiscard]] RangeCost evaluate(const Values& start) const {
-    const EvaluationContext context{start, options_.chart, options_.loss, options_.loss_on_loops_only};
+    const EvaluationContext context{start, options_.chart, options_.loss,
+                                    options_.loss_on_loops_only};
     RangeCost sum;
     for (const FactorBatch* batch : problem_.batches) {
       const RangeCost cost = batch->evaluate_cost(0, batch->size(), context);
@@ -101,7 +102,8 @@ class Initializer {
 
 }  // namespace
 
-void initialize(const Problem& problem, const SolveOptions& options, Values& values, SolveSummary& summary) {
+void initialize(const Problem& problem, const SolveOptions& options, Values& values,
+                SolveSummary& summary) {
   if (options.init == InitMethod::kFile) return;
   Initializer(problem, options, values).run(summary);
 }

@@ -11,11 +11,12 @@
 
 namespace cairn {
 
-/// Covariances of the estimate at the current values of a graph (m, rad; tangent space of each variable, in its own
-/// frame as T * Exp(d)), relative to the gauge.
+/// Covariances of the estimate at the current values of a graph (m, rad; tangent space of each
+/// variable, in its own frame as T * Exp(d)), relative to the gauge.
 class Marginals {
  public:
-  /// Linearizes, factorizes, and computes the selected inverse (all blocks where the factor is non-zero).
+  /// Linearizes, factorizes, and computes the selected inverse (all blocks where the factor is
+  /// non-zero).
   static Result<Marginals> compute(const Graph& graph, const SolveOptions& options = {});
 
   Marginals(Marginals&&) noexcept;
@@ -24,9 +25,11 @@ class Marginals {
 
   /// Covariance of one variable; zero for fixed ones, NaN for under-constrained ones.
   [[nodiscard]] Eigen::MatrixXd covariance(VariableSlot variable) const;
-  /// Joint covariance of two variables, a first; any pair (blocks outside the factor's pattern cost one solve).
+  /// Joint covariance of two variables, a first; any pair (blocks outside the factor's pattern cost
+  /// one solve).
   [[nodiscard]] Eigen::MatrixXd joint_covariance(VariableSlot a, VariableSlot b) const;
-  /// Covariance of T_a_b = T_map_a^-1 * T_map_b in the tangent space at T_a_b; both must be poses of one type.
+  /// Covariance of T_a_b = T_map_a^-1 * T_map_b in the tangent space at T_a_b; both must be poses
+  /// of one type.
   [[nodiscard]] Eigen::MatrixXd relative_covariance(VariableSlot a, VariableSlot b) const;
 
  private:

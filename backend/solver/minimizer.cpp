@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "cairn/core/stopwatch.hpp"
+#include "cairn/solver/rank.hpp"
 #include "cairn/solver/step.hpp"
 
 namespace cairn {
@@ -20,8 +21,8 @@ constexpr int kMaxIncreases = 20;
 // One run of the loop: linearize -> propose -> retract -> judge -> accept or reject.
 class Minimizer {
  public:
-  Minimizer(NormalEquations& equations, LinearSolver& linear, const SolveOptions& options, ThreadPool& pool,
-            Values& values, RangeCost initial)
+  Minimizer(NormalEquations& equations, LinearSolver& linear, const SolveOptions& options,
+            ThreadPool& pool, Values& values, RangeCost initial, bool check_rank)
       : equations_(equations),
         linear_(linear),
         options_(options),
@@ -29,7 +30,8 @@ class Minimizer {
         best_(values),
         strategy_(make_step_strategy(options.method)),
         cost_(initial),
-        best_cost_(initial) {
+        best_cost_(initial),
+        check_rank_(check_rank) {
     result_.initial = initial;
   }
 
@@ -37,7 +39,8 @@ class Minimizer {
     current_ = best_;
     result_.reason = iterate();
     result_.final = best_cost_;
-    if (result_.reason != StopReason::kNotFinite) predict_remaining_decrease();
+    if (result_.reason != StopReason::kNotFinite && !result_.looks_singular)
+      predict_remaining_decrease();
     return std::move(result_);
   }
 
@@ -67,6 +70,11 @@ class Minimizer {
     const Step step = strategy_->propose(equations_, linear_, times);
     report.factorize_s = times.factorize_s;
     report.solve_s = times.solve_s;
+    if (check_rank_ && is_singular(step)) {
+      result_.looks_singular = true;
+      return StopReason::kLambdaExhausted;
+    }
+    check_rank_ = false;
     if (!step.valid) return reject();
     const bool last = step.newton && step.predicted_decrease <= kSmallDecrease * cost_.cost;
     const bool small_step = step.dx.size() == 0 || step.dx.cwiseAbs().maxCoeff() <= kSmallStep;
@@ -74,20 +82,23 @@ class Minimizer {
     const RangeCost trial_cost = evaluate_trial(last || small_step, report);
     const double gain = cost_.cost - trial_cost.cost;
     const bool better = gain >= 0.0;
-    if (better || (strategy_->accepts_increase() && std::isfinite(trial_cost.cost) && increases_ < kMaxIncreases)) {
+    if (better || (strategy_->accepts_increase() && std::isfinite(trial_cost.cost) &&
+                   increases_ < kMaxIncreases)) {
       increases_ = better ? 0 : increases_ + 1;
       report.accepted = true;
       accept(trial_cost, gain / step.predicted_decrease);
     }
     if (last) return StopReason::kSmallDecrease;
     if (small_step) return StopReason::kSmallStep;
-    if (report.accepted) return is_stationary() ? std::optional(StopReason::kGradient) : std::nullopt;
+    if (report.accepted)
+      return is_stationary() ? std::optional(StopReason::kGradient) : std::nullopt;
     // What cannot be improved by a step that promised next to nothing is rounding.
     if (step.predicted_decrease <= kSmallDecrease * cost_.cost) return StopReason::kSmallDecrease;
     return reject();
   }
 
-  // Linearizes at the trial, speculating that it will be accepted; the last step needs its cost only.
+  // Linearizes at the trial, speculating that it will be accepted; the last step needs its cost
+  // only.
   RangeCost evaluate_trial(bool cost_only, IterationReport& report) {
     const Stopwatch watch;
     const RangeCost cost = cost_only ? equations_.evaluate_cost(context(trial_), pool_)
@@ -122,7 +133,8 @@ class Minimizer {
     report.linearize_s += watch.seconds();
   }
 
-  // g^T diag(H)^-1 g bounds what single variables could gain; at rounding level nothing is left to do.
+  // g^T diag(H)^-1 g bounds what single variables could gain; at rounding level nothing is left to
+  // do.
   [[nodiscard]] bool is_stationary() const {
     if (!linearized_at_current_) return false;
     const Eigen::VectorXd& g = equations_.gradient();
@@ -134,9 +146,16 @@ class Minimizer {
     return decrease <= 1e-24 * (1.0 + cost_.cost);
   }
 
+  [[nodiscard]] bool is_singular(const Step& step) const {
+    if (!step.valid) return true;
+    const std::optional<SupernodalFactor> factor = linear_.factor();
+    return factor && looks_singular(*factor, equations_.diagonal());
+  }
+
   // Needed only where the loop did not end by itself: is the result usable nevertheless?
   void predict_remaining_decrease() {
-    const bool converged = result_.reason == StopReason::kSmallDecrease || result_.reason == StopReason::kSmallStep ||
+    const bool converged = result_.reason == StopReason::kSmallDecrease ||
+                           result_.reason == StopReason::kSmallStep ||
                            result_.reason == StopReason::kGradient;
     if (converged) return;
     equations_.linearize(context(best_), pool_);
@@ -161,14 +180,16 @@ class Minimizer {
   bool linearized_at_current_ = true;
   bool linearized_at_trial_ = false;
   int increases_ = 0;
+  bool check_rank_;
   MinimizerResult result_;
 };
 
 }  // namespace
 
-MinimizerResult minimize(NormalEquations& equations, LinearSolver& linear, const SolveOptions& options,
-                         ThreadPool& pool, Values& values, RangeCost initial) {
-  return Minimizer(equations, linear, options, pool, values, initial).run();
+MinimizerResult minimize(NormalEquations& equations, LinearSolver& linear,
+                         const SolveOptions& options, ThreadPool& pool, Values& values,
+                         RangeCost initial, bool check_rank) {
+  return Minimizer(equations, linear, options, pool, values, initial, check_rank).run();
 }
 
 }  // namespace cairn

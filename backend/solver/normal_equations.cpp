@@ -24,11 +24,14 @@ std::vector<int> block_dimensions(const Problem& problem, const UnknownLayout& l
 
 // H_v += contributions of all factors on v, in factor order; then the gradient likewise.
 template <int d>
-void sum_contributions(const double* first, const double* last, double* block, int leading_dimension, double* g) {
-  Eigen::Matrix<double, d * (d + 1), 1> sum = Eigen::Matrix<double, d * (d + 1), 1>::Zero();
-  for (; first != last; first += d * (d + 1)) sum += Eigen::Map<const Eigen::Matrix<double, d * (d + 1), 1>>(first);
+void sum_contributions(const double* first, const double* last, double* block,
+                       int leading_dimension, double* g) {
+  Eigen::Matrix<double, d*(d + 1), 1> sum = Eigen::Matrix<double, d*(d + 1), 1>::Zero();
+  for (; first != last; first += d * (d + 1))
+    sum += Eigen::Map<const Eigen::Matrix<double, d*(d + 1), 1>>(first);
   for (int column = 0; column < d; ++column) {
-    for (int row = 0; row < d; ++row) block[column * leading_dimension + row] = sum[column * d + row];
+    for (int row = 0; row < d; ++row)
+      block[column * leading_dimension + row] = sum[column * d + row];
     g[column] = sum[d * d + column];
   }
 }
@@ -45,7 +48,8 @@ UnknownLayout::UnknownLayout(const Problem& problem) : block_of_slot(problem.hel
   std::vector<std::pair<int, int>> pairs = problem.coupled_slots();
   std::size_t kept = 0;
   for (const auto& [k, l] : pairs) {
-    if (block_of_slot[k] >= 0 && block_of_slot[l] >= 0) pairs[kept++] = {block_of_slot[k], block_of_slot[l]};
+    if (block_of_slot[k] >= 0 && block_of_slot[l] >= 0)
+      pairs[kept++] = {block_of_slot[k], block_of_slot[l]};
   }
   pairs.resize(kept);
   blocks = BlockGraph::from_pairs(static_cast<int>(unknown_slots.size()), pairs);
@@ -62,7 +66,8 @@ NormalEquations::NormalEquations(const Problem& problem, const UnknownLayout& la
     : problem_(problem), layout_(layout) {
   const std::vector<int> ordered = block_dimensions(problem, layout);
   std::vector<int> dimensions(ordered.size());
-  for (std::size_t i = 0; i < ordered.size(); ++i) dimensions[i] = ordered[layout.elimination.position[i]];
+  for (std::size_t i = 0; i < ordered.size(); ++i)
+    dimensions[i] = ordered[layout.elimination.position[i]];
   pattern_ = BlockPattern::build(layout.blocks, layout.elimination.position, dimensions);
   values_.resize(pattern_.value_count());
   gradient_.resize(pattern_.scalar_size());
@@ -71,7 +76,8 @@ NormalEquations::NormalEquations(const Problem& problem, const UnknownLayout& la
   for (std::size_t b = 0; b < problem.batches.size(); ++b) {
     const std::size_t size = problem.batches[b]->size();
     for (std::size_t begin = 0; begin < size; begin += kFactorsPerChunk) {
-      chunks_.push_back({static_cast<std::uint32_t>(b), begin, std::min(size, begin + kFactorsPerChunk)});
+      chunks_.push_back(
+          {static_cast<std::uint32_t>(b), begin, std::min(size, begin + kFactorsPerChunk)});
     }
   }
   chunk_costs_.resize(chunks_.size());
@@ -81,14 +87,17 @@ NormalEquations::NormalEquations(const Problem& problem, const UnknownLayout& la
 
 void NormalEquations::place_diagonals() {
   std::vector<std::size_t> count(static_cast<std::size_t>(pattern_.size()), 0);
-  for (std::size_t b = 0; b < targets_.size(); ++b) {  // first: the block of each factor's variables
+  for (std::size_t b = 0; b < targets_.size();
+       ++b) {  // first: the block of each factor's variables
     const FactorBatch& batch = *problem_.batches[b];
     const auto signature = batch.signature();
     const auto indices = batch.variable_indices();
     std::vector<std::size_t>& offsets = targets_[b].diagonal_offset;
     offsets.resize(indices.size());
     for (std::size_t i = 0; i < indices.size(); ++i) {
-      const int block = layout_.block_of_slot[problem_.graph->slot_of(signature[i % signature.size()], indices[i])];
+      const int block =
+          layout_
+              .block_of_slot[problem_.graph->slot_of(signature[i % signature.size()], indices[i])];
       offsets[i] = block < 0 ? NormalEquationTargets::kSkip : static_cast<std::size_t>(block);
       if (block >= 0) ++count[block];
     }
@@ -137,8 +146,8 @@ NormalEquationTargets::OffDiagonal NormalEquations::place_block(int block_k, int
   const int column = std::min(block_k, block_l);
   const int entry = pattern_.find(std::max(block_k, block_l), column);
   const NormalEquationTargets::OffDiagonal place{
-      pattern_.value_begin[column] + static_cast<std::size_t>(pattern_.row_offset[entry]), pattern_.height[column],
-      transposed};
+      pattern_.value_begin[column] + static_cast<std::size_t>(pattern_.row_offset[entry]),
+      pattern_.height[column], transposed};
   if (!taken[entry]) {
     taken[entry] = true;
     return place;
@@ -166,7 +175,8 @@ RangeCost NormalEquations::linearize(const EvaluationContext& context, ThreadPoo
     const BatchTargets& targets = targets_[chunk.batch];
     return problem_.batches[chunk.batch]->linearize(
         chunk.begin, chunk.end, context,
-        {scratch_.data(), targets.diagonal_offset.data(), values_.data(), targets.off_diagonal.data()});
+        {scratch_.data(), targets.diagonal_offset.data(), values_.data(),
+         targets.off_diagonal.data()});
   });
   add_repeated_blocks();
   const int chunks = (pattern_.size() + kBlocksPerChunk - 1) / kBlocksPerChunk;
@@ -174,6 +184,7 @@ RangeCost NormalEquations::linearize(const EvaluationContext& context, ThreadPoo
     const int begin = static_cast<int>(c) * kBlocksPerChunk;
     for (int j = begin; j < std::min(pattern_.size(), begin + kBlocksPerChunk); ++j) gather(j);
   });
+  for (const Problem::Anchor& anchor : problem_.anchors) stiffen(anchor);
   return sum;
 }
 
@@ -187,8 +198,10 @@ void NormalEquations::add_repeated_blocks() {
   for (const RepeatedBlock& block : repeated_) {
     for (int column = 0; column < block.columns; ++column) {
       double* target = values_.data() + block.target.offset +
-                       static_cast<std::size_t>(column) * static_cast<std::size_t>(block.target.leading_dimension);
-      const double* source = values_.data() + block.source + static_cast<std::size_t>(column * block.rows);
+                       static_cast<std::size_t>(column) *
+                           static_cast<std::size_t>(block.target.leading_dimension);
+      const double* source =
+          values_.data() + block.source + static_cast<std::size_t>(column * block.rows);
       for (int row = 0; row < block.rows; ++row) target[row] += source[row];
     }
   }
@@ -211,14 +224,28 @@ void NormalEquations::gather(int block) {
       sum_contributions<6>(first, last, target, height, g);
       break;
   }
-  for (int k = 0; k < pattern_.dimension[block]; ++k) diagonal_[scalar + k] = target[k * (height + 1)];
+  for (int k = 0; k < pattern_.dimension[block]; ++k)
+    diagonal_[scalar + k] = target[k * (height + 1)];
+}
+
+// Stiffness where nothing is measured leaves the minimum where it is and the matrix regular.
+void NormalEquations::stiffen(const Problem::Anchor& anchor) {
+  const int j = layout_.block_of_slot[anchor.slot];
+  if (j < 0) return;
+  const int d = pattern_.dimension[j], first = pattern_.scalar_begin[j];
+  const double stiffness = std::max(diagonal_.segment(first, d).maxCoeff(), 1.0);
+  Eigen::Map<Eigen::MatrixXd, 0, Eigen::OuterStride<>> block(
+      values_.data() + pattern_.value_begin[j], d, d, Eigen::OuterStride<>(pattern_.height[j]));
+  block += stiffness * anchor.directions * anchor.directions.transpose();
+  diagonal_.segment(first, d) = block.diagonal();
 }
 
 void NormalEquations::set_damping(double lambda) {
   for (int j = 0; j < pattern_.size(); ++j) {
     double* block = values_.data() + pattern_.value_begin[j];
     for (int k = 0; k < pattern_.dimension[j]; ++k) {
-      block[k * (pattern_.height[j] + 1)] = diagonal_[pattern_.scalar_begin[j] + k] * (1.0 + lambda);
+      block[k * (pattern_.height[j] + 1)] =
+          diagonal_[pattern_.scalar_begin[j] + k] * (1.0 + lambda);
     }
   }
 }

@@ -11,9 +11,9 @@
 
 namespace cairn {
 
-/// The unknowns of a problem as blocks of a symmetric matrix, in elimination order. Built once per pattern.
+/// The unknowns of a problem as blocks of a symmetric matrix, in elimination order. Built once per
+/// pattern.
 struct UnknownLayout {
-  /// `block_dimension` maps a variable type to the size of its block (tangent_dimension for the normal equations).
   explicit UnknownLayout(const Problem& problem);
 
   std::vector<int> block_of_slot;  ///< in elimination order, -1 for variables that are held
@@ -22,7 +22,8 @@ struct UnknownLayout {
   Elimination elimination;  ///< of `blocks`
 };
 
-/// H dx = -g at a linearization point: H = sum J^T Omega J, g = sum J^T Omega e. Structure once, numbers many times.
+/// H dx = -g at a linearization point: H = sum J^T Omega J, g = sum J^T Omega e. Structure once,
+/// numbers many times.
 class NormalEquations {
  public:
   NormalEquations(const Problem& problem, const UnknownLayout& layout);
@@ -62,9 +63,11 @@ class NormalEquations {
 
   void place_diagonals();
   void place_off_diagonals();
-  NormalEquationTargets::OffDiagonal place_block(int block_k, int block_l, std::vector<bool>& taken);
+  NormalEquationTargets::OffDiagonal place_block(int block_k, int block_l,
+                                                 std::vector<bool>& taken);
   void add_repeated_blocks();
   void gather(int block);
+  void stiffen(const Problem::Anchor& anchor);
   template <class Evaluate>
   RangeCost sum_chunks(ThreadPool& pool, Evaluate evaluate);
 
@@ -75,9 +78,9 @@ class NormalEquations {
   std::vector<RepeatedBlock> repeated_;
   std::vector<Chunk> chunks_;
   std::vector<RangeCost> chunk_costs_;
-  std::vector<double> values_;               // pattern values, then the repeated blocks
-  std::vector<double> scratch_;              // H_kk and g_k of every factor, those of one block side by side
-  std::vector<std::size_t> scratch_begin_;   // by block
+  std::vector<double> values_;   // pattern values, then the repeated blocks
+  std::vector<double> scratch_;  // H_kk and g_k of every factor, those of one block side by side
+  std::vector<std::size_t> scratch_begin_;  // by block
   Eigen::VectorXd gradient_;
   Eigen::VectorXd diagonal_;
 };

@@ -7,6 +7,7 @@
 #include "cairn/solver/initialize.hpp"
 #include "cairn/solver/minimizer.hpp"
 #include "cairn/solver/problem.hpp"
+#include "cairn/solver/rank.hpp"
 
 namespace cairn {
 namespace {
@@ -58,44 +59,119 @@ void report(const MinimizerResult& result, SolveSummary& summary) {
   summary.final_chi2 = result.final.chi2;
   summary.final_cost = result.final.cost;
   summary.iterations = result.iterations;
-  summary.usable_result = summary.status == SolveStatus::kConverged ||
-                          (result.reason != StopReason::kNotFinite &&
-                           result.predicted_chi2_decrease <= 1e-6 * std::max(result.final.chi2, 1.0));
+  summary.usable_result =
+      summary.status == SolveStatus::kConverged ||
+      (result.reason != StopReason::kNotFinite &&
+       result.predicted_chi2_decrease <= 1e-6 * std::max(result.final.chi2, 1.0));
 }
+
+// Optimizes what can be determined: where the matrix is singular, the free variables are set aside
+// and the rest is tried again.
+class Optimization {
+ public:
+  Optimization(Graph& graph, const SolveOptions& options)
+      : graph_(graph), options_(options), problem_(graph), pool_(options.threads) {}
+
+  SolveSummary run() {
+    summary_.threads = options_.threads;
+    summary_.linear = options_.linear;
+    summary_.components = problem_.components;
+    summary_.gauge = problem_.gauge;
+    summary_.degrees_of_freedom = degrees_of_freedom(problem_);
+    initialize(problem_, options_, graph_.values(), summary_);
+    summary_.setup_s = watch_.seconds();
+#ifdef CAIRN_WITH_CERES
+    if (options_.linear == LinearBackend::kCeres) {
+      run_ceres();
+      return finish();
+    }
+#endif
+    // Back-ends without a factor cannot see that they fail.
+    bool check_rank =
+        options_.linear != LinearBackend::kCholmod ? set_aside_free_variables() : true;
+    while (!solve(check_rank)) check_rank = set_aside_free_variables();
+    return finish();
+  }
+
+ private:
+  // False when the matrix looks singular and nothing was moved.
+  bool solve(bool check_rank) {
+    const Stopwatch setup_watch;
+    const UnknownLayout layout(problem_);
+    NormalEquations equations(problem_, layout);
+    const std::unique_ptr<LinearSolver> linear = make_linear_solver(options_.linear);
+    linear->analyze(equations.pattern(), layout.elimination);
+    const RangeCost initial = equations.linearize(context(), pool_);
+    summary_.setup_s += setup_watch.seconds();
+    const MinimizerResult result =
+        minimize(equations, *linear, options_, pool_, graph_.values(), initial, check_rank);
+    if (result.looks_singular) return false;
+    report(result, summary_);
+    summary_.ordering = layout.elimination.method;
+    summary_.factor_nonzeros = linear->factor_nonzeros();
+    return true;
+  }
+
+  // False when every direction is determined (the matrix is only badly conditioned): do not ask
+  // again.
+  bool set_aside_free_variables() {
+    bool any = false;
+    while (true) {
+      const UnknownLayout layout(problem_);
+      NormalEquations equations(problem_, layout);
+      equations.linearize(context(), pool_);
+      const RankReport free = find_free_directions(equations);
+      if (free.full_rank()) return any;
+      any = true;
+      std::vector<bool> dropped(problem_.held.size(), false);
+      for (const auto& [slot, directions] : free.undetermined) {
+        dropped[slot] = true;
+        name_free_variable(slot, directions);
+      }
+      problem_.drop(dropped);
+      for (const auto& [slot, directions] : free.anchors) {
+        problem_.anchors.push_back({slot, directions});
+        name_free_variable(slot, directions);
+      }
+    }
+  }
+
+  void name_free_variable(int slot, const Eigen::MatrixXd& directions) {
+    summary_.under_constrained.push_back({graph_.variables()[slot].id, directions});
+  }
+
+#ifdef CAIRN_WITH_CERES
+  void run_ceres() {
+    set_aside_free_variables();
+    const std::vector<char> held(problem_.held.begin(), problem_.held.end());
+    solve_with_ceres(graph_, held, options_, summary_);
+  }
+#endif
+
+  SolveSummary finish() {
+    if (!summary_.under_constrained.empty() && summary_.status == SolveStatus::kConverged) {
+      summary_.status = SolveStatus::kPartiallyConstrained;
+    }
+    summary_.optimize_s = watch_.seconds();
+    return std::move(summary_);
+  }
+
+  [[nodiscard]] EvaluationContext context() const {
+    return {graph_.values(), options_.chart, options_.loss, options_.loss_on_loops_only};
+  }
+
+  Stopwatch watch_;
+  Graph& graph_;
+  const SolveOptions& options_;
+  Problem problem_;
+  ThreadPool pool_;
+  SolveSummary summary_;
+};
 
 }  // namespace
 
 SolveSummary optimize(Graph& graph, const SolveOptions& options) {
-  const Stopwatch watch;
-  SolveSummary summary;
-  summary.threads = options.threads;
-  summary.linear = options.linear;
-  const Problem problem(graph);
-  summary.components = problem.components;
-  summary.gauge = problem.gauge;
-  summary.degrees_of_freedom = degrees_of_freedom(problem);
-  initialize(problem, options, graph.values(), summary);
-#ifdef CAIRN_WITH_CERES
-  if (options.linear == LinearBackend::kCeres) {
-    const std::vector<char> held(problem.held.begin(), problem.held.end());
-    solve_with_ceres(graph, held, options, summary);
-    summary.optimize_s = watch.seconds();
-    return summary;
-  }
-#endif
-  ThreadPool pool(options.threads);
-  const UnknownLayout layout(problem);
-  NormalEquations equations(problem, layout);
-  const std::unique_ptr<LinearSolver> linear = make_linear_solver(options.linear);
-  linear->analyze(equations.pattern(), layout.elimination);
-  const EvaluationContext context{graph.values(), options.chart, options.loss, options.loss_on_loops_only};
-  const RangeCost initial = equations.linearize(context, pool);
-  summary.setup_s = watch.seconds();
-  report(minimize(equations, *linear, options, pool, graph.values(), initial), summary);
-  summary.ordering = layout.elimination.method;
-  summary.factor_nonzeros = linear->factor_nonzeros();
-  summary.optimize_s = watch.seconds();
-  return summary;
+  return Optimization(graph, options).run();
 }
 
 }  // namespace cairn

@@ -7,10 +7,11 @@
 
 namespace cairn {
 
-/// Moves the variables of `graph` to a local minimum of the cost, 1/2 sum rho(e^T Omega e), starting from
-/// options.init. Each component without a fixed variable or absolute factor is held at the pose with its smallest id.
-/// Under-constrained variables keep their value and are named. `graph` always gets the best iterate, never the last;
-/// look at summary.usable() before you use it. One thread may call this per graph.
+/// Moves the variables of `graph` to a local minimum of the cost, 1/2 sum rho(e^T Omega e),
+/// starting from options.init. Each component without a fixed variable or absolute factor is held
+/// at the pose with its smallest id. Under-constrained variables keep their value and are named.
+/// `graph` always gets the best iterate, never the last; look at summary.usable() before you use
+/// it. One thread may call this per graph.
 SolveSummary optimize(Graph& graph, const SolveOptions& options = {});
 
 /// chi2 of the graph at its current values, in the given chart.

@@ -8,7 +8,9 @@ namespace {
 
 class UnionFind {
  public:
-  explicit UnionFind(std::size_t size) : parent_(size) { std::iota(parent_.begin(), parent_.end(), 0); }
+  explicit UnionFind(std::size_t size) : parent_(size) {
+    std::iota(parent_.begin(), parent_.end(), 0);
+  }
   int root(int i) {
     while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];
     return i;
@@ -48,7 +50,8 @@ Problem::Problem(const Graph& source) : graph(&source), held(source.variables().
   for (const auto& batch : source.batches()) {
     batches.push_back(batch.get());
     for_each_factor(source, *batch, [&](std::size_t, std::span<const VariableSlot> slots) {
-      for (std::size_t k = 1; k < slots.size(); ++k) sets.join(static_cast<int>(slots[0]), static_cast<int>(slots[k]));
+      for (std::size_t k = 1; k < slots.size(); ++k)
+        sets.join(static_cast<int>(slots[0]), static_cast<int>(slots[k]));
       if (batch->is_absolute()) tied.push_back(static_cast<int>(slots[0]));
     });
   }
@@ -77,7 +80,8 @@ std::vector<std::pair<int, int>> Problem::coupled_slots() const {
   for (const FactorBatch* batch : batches) {
     for_each_factor(*graph, *batch, [&](std::size_t, std::span<const VariableSlot> slots) {
       for (std::size_t l = 1; l < slots.size(); ++l) {
-        for (std::size_t k = 0; k < l; ++k) pairs.emplace_back(static_cast<int>(slots[k]), static_cast<int>(slots[l]));
+        for (std::size_t k = 0; k < l; ++k)
+          pairs.emplace_back(static_cast<int>(slots[k]), static_cast<int>(slots[l]));
       }
     });
   }

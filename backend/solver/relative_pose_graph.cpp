@@ -9,7 +9,8 @@ namespace cairn {
 namespace {
 
 template <class Pose>
-constexpr VariableType kPoseType = std::is_same_v<Pose, Se2> ? VariableType::kPose2 : VariableType::kPose3;
+constexpr VariableType kPoseType =
+    std::is_same_v<Pose, Se2> ? VariableType::kPose2 : VariableType::kPose3;
 
 template <class Pose>
 std::vector<RelativePose<Pose>> relative_poses(const FactorBatch& batch) {
@@ -35,14 +36,16 @@ RelativePoseGraph<Pose>::RelativePoseGraph(const Problem& problem) {
   for (const auto& [id, index] : by_id) poses_by_id.push_back(index);
   for (const FactorBatch* batch : problem.batches) {
     const std::vector<RelativePose<Pose>> measured = relative_poses<Pose>(*batch);
-    for (std::size_t i = 0; i < measured.size(); ++i) edges.push_back({measured[i], batch->kinds()[i]});
+    for (std::size_t i = 0; i < measured.size(); ++i)
+      edges.push_back({measured[i], batch->kinds()[i]});
   }
   incidence_begin.assign(held.size() + 2, 0);
   for (const Edge& edge : edges) {
     ++incidence_begin[edge.measured.a + 2];
     ++incidence_begin[edge.measured.b + 2];
   }
-  for (std::size_t i = 2; i < incidence_begin.size(); ++i) incidence_begin[i] += incidence_begin[i - 1];
+  for (std::size_t i = 2; i < incidence_begin.size(); ++i)
+    incidence_begin[i] += incidence_begin[i - 1];
   incidences.resize(2 * edges.size());
   for (std::uint32_t e = 0; e < edges.size(); ++e) {
     const RelativePose<Pose>& measured = edges[e].measured;
@@ -53,9 +56,11 @@ RelativePoseGraph<Pose>::RelativePoseGraph(const Problem& problem) {
 }
 
 template <class Pose>
-void chain_poses(const RelativePoseGraph<Pose>& graph, bool odometry_first, std::vector<Pose>& poses) {
+void chain_poses(const RelativePoseGraph<Pose>& graph, bool odometry_first,
+                 std::vector<Pose>& poses) {
   std::vector<bool> reached = graph.held;
-  std::deque<std::uint32_t> frontier, waiting;  // waiting: their loop closures were not followed yet
+  std::deque<std::uint32_t> frontier,
+      waiting;  // waiting: their loop closures were not followed yet
   for (const std::uint32_t pose : graph.poses_by_id) {
     if (graph.held[pose]) frontier.push_back(pose);
   }
@@ -67,7 +72,8 @@ void chain_poses(const RelativePoseGraph<Pose>& graph, bool odometry_first, std:
       reached[other] = true;
       poses[other] = poses[pose] * (forward ? edge.measured.T_a_b : edge.measured.T_a_b.inverse());
       frontier.push_back(other);
-      if (odometry_first && !odometry_only) return true;  // see where odometry leads from here first
+      if (odometry_first && !odometry_only)
+        return true;  // see where odometry leads from here first
     }
     return false;
   };

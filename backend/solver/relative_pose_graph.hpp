@@ -8,7 +8,8 @@
 
 namespace cairn {
 
-/// The poses of one type and the relative poses measured between them: what initialization works on.
+/// The poses of one type and the relative poses measured between them: what initialization works
+/// on.
 template <class Pose>
 struct RelativePoseGraph {
   explicit RelativePoseGraph(const Problem& problem);
@@ -26,13 +27,15 @@ struct RelativePoseGraph {
   std::vector<Edge> edges;
   std::vector<std::uint32_t> incidence_begin;  ///< by pose index, size + 1
   std::vector<Incidence> incidences;
-  std::vector<bool> held;                     ///< by pose index
-  std::vector<std::uint32_t> poses_by_id;     ///< pose indices in ascending order of their ids
+  std::vector<bool> held;                  ///< by pose index
+  std::vector<std::uint32_t> poses_by_id;  ///< pose indices in ascending order of their ids
 };
 
-/// Poses reached from the held ones (where a component has none: from its smallest id) along a spanning forest,
-/// breadth first. With `odometry_first`, loop closures are used only where odometry does not lead on.
+/// Poses reached from the held ones (where a component has none: from its smallest id) along a
+/// spanning forest, breadth first. With `odometry_first`, loop closures are used only where
+/// odometry does not lead on.
 template <class Pose>
-void chain_poses(const RelativePoseGraph<Pose>& graph, bool odometry_first, std::vector<Pose>& poses);
+void chain_poses(const RelativePoseGraph<Pose>& graph, bool odometry_first,
+                 std::vector<Pose>& poses);
 
 }  // namespace cairn

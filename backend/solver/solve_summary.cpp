@@ -14,13 +14,15 @@ std::string_view name_of(const std::string_view (&names)[N], Enum value) {
 }  // namespace
 
 std::string_view to_string(SolveStatus status) {
-  constexpr std::string_view kNames[] = {"converged", "partially_constrained", "iteration_limit", "failed"};
+  constexpr std::string_view kNames[] = {"converged", "partially_constrained", "iteration_limit",
+                                         "failed"};
   return name_of(kNames, status);
 }
 
 std::string_view to_string(StopReason reason) {
-  constexpr std::string_view kNames[] = {"small_step",       "small_decrease", "gradient",   "iteration_limit",
-                                         "lambda_exhausted", "not_finite",     "interrupted"};
+  constexpr std::string_view kNames[] = {"small_step",      "small_decrease",   "gradient",
+                                         "iteration_limit", "lambda_exhausted", "not_finite",
+                                         "interrupted"};
   return name_of(kNames, reason);
 }
 

@@ -56,20 +56,22 @@ struct SolveSummary {
   InitMethod init_chosen = InitMethod::kFile;
   std::vector<InitCandidate> init_candidates;
 
-  int components = 0;                   ///< connected components of the graph
-  std::vector<VariableId> gauge;        ///< poses held at their start value, one per component that needed it
-  std::int64_t degrees_of_freedom = 0;  ///< measurement rows - variable dimensions + gauge dimensions
+  int components = 0;  ///< connected components of the graph
+  std::vector<VariableId>
+      gauge;  ///< poses held at their start value, one per component that needed it
+  std::int64_t degrees_of_freedom =
+      0;  ///< measurement rows - variable dimensions + gauge dimensions
   std::vector<UnderConstrainedVariable> under_constrained;
 
   double setup_s = 0.0;     ///< initialization, structure and analysis
   double optimize_s = 0.0;  ///< everything, setup included
   int threads = 1;
   LinearBackend linear = LinearBackend::kCholmod;
-  std::string ordering;                          ///< "amd", "nesdis"; empty where the back-end has none
-  std::optional<std::int64_t> factor_nonzeros;   ///< null where the back-end does not tell
+  std::string ordering;  ///< "amd", "nesdis"; empty where the back-end has none
+  std::optional<std::int64_t> factor_nonzeros;  ///< null where the back-end does not tell
 
-  /// True when the estimates may be used: converged, partially constrained, or stopped where a Gauss-Newton step
-  /// would gain at most 1e-6 of max(chi2, 1).
+  /// True when the estimates may be used: converged, partially constrained, or stopped where a
+  /// Gauss-Newton step would gain at most 1e-6 of max(chi2, 1).
   [[nodiscard]] bool usable() const { return usable_result; }
 };
 

@@ -11,7 +11,8 @@ namespace cairn {
 namespace {
 
 // dx = -(H + lambda diag(H))^-1 g. The model's decrease is -g dx - dx H dx / 2.
-Step damped_step(NormalEquations& equations, LinearSolver& linear, double lambda, StepTimes& times) {
+Step damped_step(NormalEquations& equations, LinearSolver& linear, double lambda,
+                 StepTimes& times) {
   Step step;
   const Stopwatch factorize_watch;
   equations.set_damping(lambda);
@@ -31,7 +32,7 @@ Step damped_step(NormalEquations& equations, LinearSolver& linear, double lambda
   return step;
 }
 
-// Marquardt 1963, with damping so small at first that well-posed problems see Gauss-Newton steps.
+// Marquardt 1963, without damping until a step fails: well-posed problems see Gauss-Newton steps.
 class LevenbergMarquardt final : public StepStrategy {
  public:
   Step propose(NormalEquations& equations, LinearSolver& linear, StepTimes& times) override {
@@ -39,8 +40,10 @@ class LevenbergMarquardt final : public StepStrategy {
   }
   void accepted(double gain_ratio) override {
     growth_ = 4.0;
-    if (gain_ratio > 0.75) lambda_ = std::max(lambda_ * 0.05, kSmallest);
-    else if (gain_ratio < 0.25) lambda_ = std::max(lambda_ * 2.0, kFirstRaise);
+    if (gain_ratio > 0.75)
+      lambda_ = lambda_ > kSmallest ? lambda_ * 0.05 : 0.0;
+    else if (gain_ratio < 0.25)
+      lambda_ = std::max(lambda_ * 2.0, kFirstRaise);
   }
   void rejected() override {
     lambda_ = std::max(lambda_ * growth_, kFirstRaise);
@@ -53,7 +56,7 @@ class LevenbergMarquardt final : public StepStrategy {
   static constexpr double kSmallest = 1e-10;
   static constexpr double kFirstRaise = 1e-5;
 
-  double lambda_ = kSmallest;
+  double lambda_ = 0.0;
   double growth_ = 4.0;
 };
 
@@ -74,8 +77,8 @@ class GaussNewton final : public StepStrategy {
   bool failed_ = false;
 };
 
-// Powell's dogleg in the metric of diag(H) (Nocedal & Wright 2006, section 4.1): along steepest descent to the
-// Cauchy point, then towards the Gauss-Newton point, cut at the trust radius.
+// Powell's dogleg in the metric of diag(H) (Nocedal & Wright 2006, section 4.1): along steepest
+// descent to the Cauchy point, then towards the Gauss-Newton point, cut at the trust radius.
 class Dogleg final : public StepStrategy {
  public:
   Step propose(NormalEquations& equations, LinearSolver& linear, StepTimes& times) override {
@@ -105,11 +108,15 @@ class Dogleg final : public StepStrategy {
   }
   void accepted(double gain_ratio) override {
     have_newton_ = false;
-    if (gain_ratio > 0.75) radius_ = std::max(radius_, 3.0 * step_norm_);
-    else if (gain_ratio < 0.25) radius_ = 0.5 * step_norm_;
+    if (gain_ratio > 0.75)
+      radius_ = std::max(radius_, 3.0 * step_norm_);
+    else if (gain_ratio < 0.25)
+      radius_ = 0.5 * step_norm_;
   }
   void rejected() override { radius_ = 0.5 * step_norm_; }
-  [[nodiscard]] bool exhausted() const override { return (failed_ && !have_newton_) || radius_ < 1e-12; }
+  [[nodiscard]] bool exhausted() const override {
+    return (failed_ && !have_newton_) || radius_ < 1e-12;
+  }
   [[nodiscard]] double lambda() const override { return radius_; }
 
  private:
