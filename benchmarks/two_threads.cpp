@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What does a second thread bring? Linearization and assembly run on it, factorization does not.
+#include <cmath>
+#include <cstdio>
+
+#include "benchmarks/support/cairn_run.hpp"
+#include "benchmarks/support/graphs.hpp"
+#include "benchmarks/support/measure.hpp"
+#include "benchmarks/support/table.hpp"
+#include "cairn/solver/normal_equations.hpp"
+
+namespace cairn::bench {
+namespace {
+
+// Linearization and assembly alone, often enough that one wake-up of a thread does not decide.
+double linearize_seconds(NormalEquations& equations, const Graph& graph, ThreadPool& pool) {
+  constexpr int kRepetitions = 20;
+  const Stopwatch watch;
+  for (int i = 0; i < kRepetitions; ++i) equations.linearize({.values = graph.values()}, pool);
+  return watch.seconds() / kRepetitions;
+}
+
+void compare(const BenchmarkGraph& which, const Graph& start, int rounds, const Table& table) {
+  const Problem problem(start);
+  const UnknownLayout layout(problem);
+  NormalEquations equations(problem, layout);
+  ThreadPool one(1), two(2);
+  const double target = target_of(find_optimum(start));
+  const std::function<double()> contenders[] = {
+      [&] { return linearize_seconds(equations, start, one); },
+      [&] { return linearize_seconds(equations, start, two); },
+      [&] { return run_cairn(start, target, {.threads = 1}).to_optimum_s.value_or(NAN); },
+      [&] { return run_cairn(start, target, {.threads = 2}).to_optimum_s.value_or(NAN); },
+  };
+  const std::vector<double> seconds = interleaved_medians(rounds, contenders);
+  table.row({std::string(which.name), time_text(seconds[0]), time_text(seconds[1]),
+             ratio_text(seconds[0] / seconds[1]), time_text(seconds[2]), time_text(seconds[3]),
+             ratio_text(seconds[2] / seconds[3])});
+}
+
+}  // namespace
+}  // namespace cairn::bench
+
+int main(int argc, char** argv) {
+  using namespace cairn::bench;
+  const Arguments arguments = parse_arguments(argc, argv);
+  std::printf("## Two threads against one, median of %d\n\n", arguments.rounds);
+  const Table table({"graph", "linearize + assemble, 1", "2 threads", "faster", "whole run, 1",
+                     "2 threads", "faster"});
+  for (const BenchmarkGraph& which : benchmark_graphs()) {
+    if (!arguments.wants(which.name)) continue;
+    const std::optional<cairn::Graph> graph = load(which);
+    if (graph) compare(which, common_start(which, *graph), arguments.rounds, table);
+  }
+}
