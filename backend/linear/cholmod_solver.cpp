@@ -14,7 +14,7 @@ namespace {
 
 class CholmodSolver final : public LinearSolver {
  public:
-  CholmodSolver() {
+  explicit CholmodSolver(CholmodFactor kind) {
     cholmod_start(&common_);
     common_.nmethods = 1;
     common_.method[0].ordering = CHOLMOD_NATURAL;  // the pattern already is in elimination order
@@ -22,8 +22,10 @@ class CholmodSolver final : public LinearSolver {
     common_.final_ll = 1;
     common_.print = 0;
 #ifdef CAIRN_WITH_GPL
-    common_.supernodal = CHOLMOD_SUPERNODAL;
+    // CHOLMOD_AUTO goes by operations per non-zero of the factor.
+    common_.supernodal = kind == CholmodFactor::kSupernodal ? CHOLMOD_SUPERNODAL : CHOLMOD_AUTO;
 #else
+    static_cast<void>(kind);
     common_.supernodal = CHOLMOD_SIMPLICIAL;
 #endif
   }
@@ -118,6 +120,8 @@ class CholmodSolver final : public LinearSolver {
 
 }  // namespace
 
-std::unique_ptr<LinearSolver> make_cholmod_solver() { return std::make_unique<CholmodSolver>(); }
+std::unique_ptr<LinearSolver> make_cholmod_solver(CholmodFactor kind) {
+  return std::make_unique<CholmodSolver>(kind);
+}
 
 }  // namespace cairn

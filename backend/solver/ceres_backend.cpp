@@ -90,7 +90,7 @@ class State final : public ceres::EvaluationCallback {
  public:
   Values values;
 
-  explicit State(const Graph& graph) : values(graph.values()) {
+  explicit State(const Values& start) : values(start) {
     std::size_t next = 0;
     const auto place = [&](VariableType type, std::size_t count) {
       begin_[static_cast<std::size_t>(type)] = next;
@@ -187,11 +187,21 @@ class FactorCost final : public ceres::CostFunction {
   const EvaluationContext& context_;
 };
 
+RangeCost total_cost(const Problem& problem, const EvaluationContext& context) {
+  RangeCost sum;
+  for (const FactorBatch* batch : problem.batches) {
+    const RangeCost part = batch->evaluate_cost(0, batch->size(), context);
+    sum.chi2 += part.chi2;
+    sum.cost += part.cost;
+  }
+  return sum;
+}
+
 /// Turns Ceres' iterations into ours.
 class Progress final : public ceres::IterationCallback {
  public:
-  Progress(const Graph& graph, const SolveOptions& options, State& state, SolveSummary& summary)
-      : graph_(graph), options_(options), state_(state), summary_(summary) {}
+  Progress(const Problem& problem, const SolveOptions& options, State& state, SolveSummary& summary)
+      : problem_(problem), options_(options), state_(state), summary_(summary) {}
 
   ceres::CallbackReturnType operator()(const ceres::IterationSummary& iteration) override {
     if (iteration.iteration == 0) {
@@ -223,29 +233,15 @@ class Progress final : public ceres::IterationCallback {
  private:
   double current_chi2() {
     state_.update_values();
-    const EvaluationContext context{.values = state_.values, .chart = options_.chart};
-    double chi2 = 0.0;
-    for (const auto& batch : graph_.batches())
-      chi2 += batch->evaluate_cost(0, batch->size(), context).chi2;
-    return chi2;
+    return total_cost(problem_, {.values = state_.values, .chart = options_.chart}).chi2;
   }
 
-  const Graph& graph_;
+  const Problem& problem_;
   const SolveOptions& options_;
   State& state_;
   SolveSummary& summary_;
   double chi2_ = 0.0;
 };
-
-RangeCost total_cost(const Graph& graph, const EvaluationContext& context) {
-  RangeCost sum;
-  for (const auto& batch : graph.batches()) {
-    const RangeCost part = batch->evaluate_cost(0, batch->size(), context);
-    sum.chi2 += part.chi2;
-    sum.cost += part.cost;
-  }
-  return sum;
-}
 
 EvaluationContext context_of(const Values& values, const SolveOptions& options) {
   return {.values = values,
@@ -265,18 +261,17 @@ ceres::Problem::Options problem_options(ceres::EvaluationCallback* callback) {
 }
 
 /// The Ceres problem and everything it points to.
-class Problem {
+class CeresProblem {
  public:
-  Problem(const Graph& graph, std::span<const char> held, const EvaluationContext& context,
-          State& state)
+  CeresProblem(const Problem& problem, const EvaluationContext& context, State& state)
       : context_(context), loss_(context.loss), problem_(problem_options(&state)) {
-    for (const Variable& variable : graph.variables()) {
+    for (std::size_t slot = 0; slot < problem.held.size(); ++slot) {
+      const Variable& variable = problem.graph->variables()[slot];
       double* block = state.block(variable.type, variable.index);
       problem_.AddParameterBlock(block, ambient_dimension(variable.type), manifold(variable.type));
-      if (held[graph.slot_of(variable.type, variable.index)])
-        problem_.SetParameterBlockConstant(block);
+      if (problem.held[slot]) problem_.SetParameterBlockConstant(block);
     }
-    for (const auto& batch : graph.batches()) add(*batch, state);
+    for (const FactorBatch* batch : problem.batches) add(*batch, state);
   }
 
   void solve(const ceres::Solver::Options& options, ceres::Solver::Summary& summary) {
@@ -360,7 +355,6 @@ void fill_outcome(const ceres::Solver::Summary& ceres, double predicted_decrease
       break;
     case ceres::USER_SUCCESS:
       summary.stop_reason = StopReason::kInterrupted;
-      summary.status = SolveStatus::kIterationLimit;
       summary.usable_result = near_optimum;
       break;
     case ceres::FAILURE:
@@ -373,14 +367,13 @@ void fill_outcome(const ceres::Solver::Summary& ceres, double predicted_decrease
 
 }  // namespace
 
-void solve_with_ceres(Graph& graph, std::span<const char> held, const SolveOptions& options,
+void solve_with_ceres(const Problem& problem, const SolveOptions& options, Values& values,
                       SolveSummary& summary) {
-  CAIRN_CHECK(held.size() == graph.variables().size(), "one entry of `held` per variable");
   const SingleThreadBlas single_thread;
   summary.linear = LinearBackend::kCeres;
   summary.threads = 1;
   summary.iterations.clear();
-  const RangeCost start = total_cost(graph, context_of(graph.values(), options));
+  const RangeCost start = total_cost(problem, context_of(values, options));
   summary.initial_chi2 = summary.final_chi2 = start.chi2;
   summary.final_cost = start.cost;
   if (!std::isfinite(start.cost)) {
@@ -390,17 +383,17 @@ void solve_with_ceres(Graph& graph, std::span<const char> held, const SolveOptio
     return;
   }
 
-  State state(graph);
+  State state(values);
   const EvaluationContext context = context_of(state.values, options);
-  Problem problem(graph, held, context, state);
-  Progress progress(graph, options, state, summary);
+  CeresProblem ceres_problem(problem, context, state);
+  Progress progress(problem, options, state, summary);
   ceres::Solver::Summary ceres_summary;
-  problem.solve(solver_options(options, &progress), ceres_summary);
+  ceres_problem.solve(solver_options(options, &progress), ceres_summary);
 
   state.update_values();
-  const RangeCost end = total_cost(graph, context);
+  const RangeCost end = total_cost(problem, context);
   if (end.cost <= start.cost) {  // otherwise the start stays: it is the best iterate
-    graph.values() = state.values;
+    values = state.values;
     summary.final_chi2 = end.chi2;
     summary.final_cost = end.cost;
   }

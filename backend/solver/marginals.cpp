@@ -6,6 +6,7 @@
 #include "cairn/linear/selected_inverse.hpp"
 #include "cairn/solver/normal_equations.hpp"
 #include "cairn/solver/problem.hpp"
+#include "cairn/solver/rank.hpp"
 
 namespace cairn {
 namespace {
@@ -30,6 +31,32 @@ struct Marginals::State {
   BlockPattern pattern;
   std::unique_ptr<LinearSolver> linear;
   std::optional<SelectedInverse> inverse;
+
+  // False when the matrix is singular.
+  bool factorize(const NormalEquations& equations) {
+    block_of_slot = equations.layout().block_of_slot;
+    pattern = equations.pattern();
+    linear.reset();
+    if (pattern.size() == 0) return true;
+    linear = make_cholmod_solver(CholmodFactor::kSupernodal);
+    linear->analyze(pattern, equations.layout().elimination);
+    return linear->factorize(equations.values()) &&
+           !looks_singular(*linear->factor(), equations.diagonal());
+  }
+
+  // As optimize() does: what is free is left out, and the rest is tried again.
+  void set_aside(const RankReport& free, Problem& problem) {
+    std::vector<bool> dropped(problem.held.size(), false);
+    for (const auto& [slot, directions] : free.undetermined) {
+      dropped[slot] = true;
+      standing[slot] = Standing::kUnderConstrained;
+    }
+    problem.drop(dropped);
+    for (const auto& [slot, directions] : free.anchors) {
+      problem.anchors.push_back({slot, directions});
+      standing[slot] = Standing::kUnderConstrained;
+    }
+  }
 
   [[nodiscard]] int dimension(VariableSlot slot) const {
     return tangent_dimension(variables[slot].type);
@@ -75,36 +102,33 @@ Marginals& Marginals::operator=(Marginals&&) noexcept = default;
 Marginals::~Marginals() = default;
 
 Result<Marginals> Marginals::compute(const Graph& graph, const SolveOptions& options) {
-  const Problem problem(graph);
-  const UnknownLayout layout(problem);
-  NormalEquations equations(problem, layout);
-  ThreadPool pool(options.threads);
-  const EvaluationContext context{graph.values(), options.chart, options.loss,
-                                  options.loss_on_loops_only};
-  const RangeCost cost = equations.linearize(context, pool);
-  if (!std::isfinite(cost.cost)) {
-    return Error{ErrorCode::kNotUsable,
-                 "the cost is not finite at these estimates, so they have no covariance"};
-  }
-
   auto state = std::make_unique<State>();
   state->variables.assign(graph.variables().begin(), graph.variables().end());
   state->values = graph.values();
-  state->standing.assign(graph.variables().size(), State::Standing::kUnknown);
+  Problem problem(graph);
+  state->standing.assign(problem.held.size(), State::Standing::kUnknown);
   for (std::size_t slot = 0; slot < problem.held.size(); ++slot) {
     if (problem.held[slot]) state->standing[slot] = State::Standing::kHeld;
   }
-  state->block_of_slot = layout.block_of_slot;
-  state->pattern = equations.pattern();
-  if (state->pattern.size() > 0) {
-    state->linear = make_cholmod_solver();
-    state->linear->analyze(state->pattern, layout.elimination);
-    if (!state->linear->factorize(equations.values())) {
+  const EvaluationContext context{graph.values(), options.chart, options.loss,
+                                  options.loss_on_loops_only};
+  ThreadPool pool(options.threads);
+  while (true) {
+    const UnknownLayout layout(problem);
+    NormalEquations equations(problem, layout);
+    if (!std::isfinite(equations.linearize(context, pool).cost)) {
       return Error{ErrorCode::kNotUsable,
-                   "the measurements do not determine all variables, so there is no covariance"};
+                   "the cost is not finite at these estimates, so they have no covariance"};
     }
-    state->inverse.emplace(*state->linear->factor());
+    if (state->factorize(equations)) break;
+    const RankReport free = find_free_directions(equations);
+    if (free.full_rank()) {
+      return Error{ErrorCode::kNotUsable,
+                   "the measurements hardly determine the estimates: no covariance to 1e-13"};
+    }
+    state->set_aside(free, problem);
   }
+  if (state->linear) state->inverse.emplace(*state->linear->factor());
   return Marginals(std::move(state));
 }
 

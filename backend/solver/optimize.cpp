@@ -143,8 +143,7 @@ class Optimization {
 #ifdef CAIRN_WITH_CERES
   void run_ceres() {
     set_aside_free_variables();
-    const std::vector<char> held(problem_.held.begin(), problem_.held.end());
-    solve_with_ceres(graph_, held, options_, summary_);
+    solve_with_ceres(problem_, options_, graph_.values(), summary_);
   }
 #endif
 

@@ -34,16 +34,16 @@ Graph ring2(std::uint64_t count, double noise, std::uint32_t seed) {
   return graph;
 }
 
-std::vector<char> hold_first(const Graph& graph) {
-  std::vector<char> held(graph.variables().size(), 0);
-  held.front() = 1;
-  return held;
+// The gauge is the pose with the smallest id.
+SolveSummary solve(Graph& graph, const SolveOptions& options = {}) {
+  SolveSummary summary;
+  solve_with_ceres(Problem(graph), options, graph.values(), summary);
+  return summary;
 }
 
 TEST(CeresBackend, ClosesANoiseFreeRingToRounding) {
   Graph graph = ring2(40, 0.1, 1);
-  SolveSummary summary;
-  solve_with_ceres(graph, hold_first(graph), {}, summary);
+  const SolveSummary summary = solve(graph);
   EXPECT_EQ(summary.status, SolveStatus::kConverged) << to_string(summary.stop_reason);
   EXPECT_TRUE(summary.usable());
   EXPECT_LT(summary.final_chi2, 1e-15);
@@ -72,19 +72,16 @@ TEST(CeresBackend, ConvergesQuadraticallyInSpaceSoItsJacobiansAreRight) {
       ASSERT_TRUE(graph.add_factor(edge, {VariableId{i}, VariableId{j}}));
     }
   }
-  SolveSummary summary;
-  solve_with_ceres(graph, hold_first(graph), {}, summary);
+  const SolveSummary summary = solve(graph);
   EXPECT_LT(summary.final_chi2, 1e-15);
   EXPECT_LE(summary.iterations.size(), 8u);  // a wrong Jacobian converges linearly at best
 }
 
 TEST(CeresBackend, KeepsHeldVariablesBitForBit) {
   Graph graph = ring2(10, 0.1, 5);
-  std::vector<char> held = hold_first(graph);
-  held[4] = 1;
+  graph.set_fixed(4, true);
   const Se2 before = graph.values().pose2[4];
-  SolveSummary summary;
-  solve_with_ceres(graph, held, {}, summary);
+  solve(graph);
   EXPECT_EQ(graph.values().pose2[4].to_vector(), before.to_vector());
 }
 
@@ -95,8 +92,7 @@ TEST(CeresBackend, CountsHalfOfRhoAsCostAndNeverRobustifiesChi2) {
   ASSERT_TRUE(graph.add_factor(wrong_loop, {VariableId{2}, VariableId{12}}, FactorKind::kLoop));
   const SolveOptions options{.loss = RobustLoss(RobustLoss::Kind::kCauchy, 1.0),
                              .loss_on_loops_only = true};
-  SolveSummary summary;
-  solve_with_ceres(graph, hold_first(graph), options, summary);
+  const SolveSummary summary = solve(graph, options);
   EXPECT_TRUE(summary.usable());
   double cost = 0.0;
   const EvaluationContext context{
@@ -112,9 +108,8 @@ TEST(CeresBackend, CountsHalfOfRhoAsCostAndNeverRobustifiesChi2) {
 
 TEST(CeresBackend, SaysThatTheUserStoppedIt) {
   Graph graph = ring2(40, 0.2, 9);
-  SolveSummary summary;
-  solve_with_ceres(graph, hold_first(graph),
-                   {.on_iteration = [](int, const IterationReport&) { return false; }}, summary);
+  const SolveSummary summary =
+      solve(graph, {.on_iteration = [](int, const IterationReport&) { return false; }});
   EXPECT_EQ(summary.stop_reason, StopReason::kInterrupted);
   EXPECT_EQ(summary.iterations.size(), 1u);
   EXPECT_LT(summary.final_chi2, summary.initial_chi2);
@@ -122,8 +117,7 @@ TEST(CeresBackend, SaysThatTheUserStoppedIt) {
 
 TEST(CeresBackend, IsNotUsableFarFromTheOptimumAtTheIterationLimit) {
   Graph graph = ring2(40, 0.4, 11);
-  SolveSummary summary;
-  solve_with_ceres(graph, hold_first(graph), {.max_iterations = 1}, summary);
+  const SolveSummary summary = solve(graph, {.max_iterations = 1});
   EXPECT_EQ(summary.status, SolveStatus::kIterationLimit);
   EXPECT_FALSE(summary.usable());
 }

@@ -214,6 +214,22 @@ TEST(Marginals, RelativeCovarianceDoesNotDependOnTheGauge) {
   EXPECT_EQ(other.covariance(9), Eigen::MatrixXd::Zero(3, 3));
 }
 
+TEST(Marginals, AreNanForWhatTheMeasurementsLeaveFreeAndUnchangedForTheRest) {
+  Graph graph = plane(12, 3, 7);
+  const Marginals before = std::move(Marginals::compute(graph)).value();
+  ASSERT_TRUE(graph.add_point2({5000}, Eigen::Vector2d(1.0, 2.0)));
+  const LandmarkXy one_axis{Eigen::Vector2d(1.0, 1.0), {}, Eigen::Vector2d(4.0, 0.0).asDiagonal()};
+  ASSERT_TRUE(graph.add_factor(one_axis, {VariableId{4}, VariableId{5000}}));
+  const Result<Marginals> after = Marginals::compute(graph);
+  ASSERT_TRUE(after) << after.error().to_string();
+  const VariableSlot free = *graph.find({5000});
+  EXPECT_TRUE(after->covariance(free).array().isNaN().all());
+  EXPECT_TRUE(after->joint_covariance(3, free).topRightCorner(3, 2).array().isNaN().all());
+  for (VariableSlot slot = 0; slot < free; ++slot) {
+    EXPECT_LT((after->covariance(slot) - before.covariance(slot)).norm(), 1e-9) << slot;
+  }
+}
+
 TEST(Marginals, OfAChainGrowAlongIt) {
   Graph graph;
   ASSERT_TRUE(graph.add_pose2({0}, Se2()));
