@@ -6,6 +6,7 @@
 
 #include "cairn/core/stopwatch.hpp"
 #include "cairn/solver/chordal.hpp"
+#include "cairn/solver/chordal_landmarks.hpp"
 #include "cairn/solver/relative_pose_graph.hpp"
 
 namespace cairn {
@@ -44,7 +45,7 @@ class Initializer {
   std::optional<double> try_method(InitMethod method, Values& start, SolveSummary& summary) const {
     const Stopwatch watch;
     if (!move_poses(method, start)) return std::nullopt;
-    if (method != InitMethod::kFile) predict_landmarks(start);
+    if (method == InitMethod::kOdometry || method == InitMethod::kTree) predict_landmarks(start);
     const RangeCost cost = evaluate(start);
     summary.init_candidates.push_back({method, cost.chi2, watch.seconds()});
     summary.init_chosen = method;
@@ -59,12 +60,19 @@ class Initializer {
         chain_poses(poses3_, method == InitMethod::kOdometry, start.pose3);
         return true;
       case InitMethod::kChordal:
-        return chordal_poses(poses2_, start.pose2) && chordal_poses(poses3_, start.pose3);
+        return move_chordally(poses2_, start.pose2, start.point2.empty(), start) &&
+               move_chordally(poses3_, start.pose3, start.point3.empty(), start);
       case InitMethod::kAuto:
       case InitMethod::kFile:
         break;
     }
     return true;
+  }
+
+  template <class Pose>
+  bool move_chordally(const RelativePoseGraph<Pose>& graph, std::vector<Pose>& poses, bool poses_only,
+                      Values& start) const {
+    return poses_only ? chordal_poses(graph, poses) : chordal_poses_and_landmarks(problem_, graph, start);
   }
 
   // Each landmark from the first factor that tells where it is.
