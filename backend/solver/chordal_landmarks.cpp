@@ -11,7 +11,8 @@ namespace {
 // No block here has more than four rows or columns: kept off the heap.
 using Small = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, 4, 4>;
 
-// sum over terms of w |A_a x_a + A_b x_b - c|^2 over nodes of mixed size, several right-hand sides at once.
+// sum over terms of w |A_a x_a + A_b x_b - c|^2 over nodes of mixed size, several right-hand sides
+// at once.
 class LeastSquares {
  public:
   struct Term {
@@ -32,7 +33,8 @@ class LeastSquares {
   std::vector<Small> solve(int right_hand_sides) {
     number_unknowns();
     const Elimination elimination = find_elimination(graph_);
-    const BlockPattern pattern = BlockPattern::build(graph_, elimination.position, unknown_dimensions_);
+    const BlockPattern pattern =
+        BlockPattern::build(graph_, elimination.position, unknown_dimensions_);
     std::vector<double> values(pattern.value_count(), 0.0);
     Eigen::MatrixXd rhs = Eigen::MatrixXd::Zero(pattern.scalar_size(), right_hand_sides);
     for (const Term& term : terms_) accumulate(term, elimination, pattern, values, rhs);
@@ -60,7 +62,8 @@ class LeastSquares {
     }
     std::vector<std::pair<int, int>> pairs;
     for (const Term& term : terms_) {
-      if (unknown_[term.a] >= 0 && unknown_[term.b] >= 0) pairs.emplace_back(unknown_[term.a], unknown_[term.b]);
+      if (unknown_[term.a] >= 0 && unknown_[term.b] >= 0)
+        pairs.emplace_back(unknown_[term.a], unknown_[term.b]);
     }
     graph_ = BlockGraph::from_pairs(static_cast<int>(unknown_dimensions_.size()), pairs);
   }
@@ -70,7 +73,8 @@ class LeastSquares {
     const auto add_block = [&](int row, int column, const Small& block) {
       const int entry = pattern.find(row, column);
       Eigen::Map<Eigen::MatrixXd, 0, Eigen::OuterStride<>>(
-          values.data() + pattern.value_begin[column] + static_cast<std::size_t>(pattern.row_offset[entry]),
+          values.data() + pattern.value_begin[column] +
+              static_cast<std::size_t>(pattern.row_offset[entry]),
           block.rows(), block.cols(), Eigen::OuterStride<>(pattern.height[column])) += block;
     };
     const int a = unknown_[term.a] < 0 ? -1 : elimination.position[unknown_[term.a]];
@@ -88,8 +92,10 @@ class LeastSquares {
       rhs.middleRows(pattern.scalar_begin[b], pattern.dimension[b]) += WA_b.transpose() * c;
     }
     if (a < 0 || b < 0) return;
-    if (a > b) add_block(a, b, WA_a.transpose() * term.A_b);
-    else add_block(b, a, WA_b.transpose() * term.A_a);
+    if (a > b)
+      add_block(a, b, WA_a.transpose() * term.A_b);
+    else
+      add_block(b, a, WA_b.transpose() * term.A_a);
   }
 
   std::vector<int> dimensions_, unknown_, unknown_dimensions_;
@@ -108,16 +114,21 @@ struct Sighting {
 
 template <int n>
 auto& points_of(Values& values) {
-  if constexpr (n == 2) return values.point2;
-  else return values.point3;
+  if constexpr (n == 2)
+    return values.point2;
+  else
+    return values.point3;
 }
 template <int n>
 auto& poses_of(Values& values) {
-  if constexpr (n == 2) return values.pose2;
-  else return values.pose3;
+  if constexpr (n == 2)
+    return values.pose2;
+  else
+    return values.pose3;
 }
 
-// A factor that tells where its point is from a pose tells where it is in the body from a pose at the origin.
+// A factor that tells where its point is from a pose tells where it is in the body from a pose at
+// the origin.
 template <int n>
 std::vector<Sighting<n>> find_sightings(const Problem& problem) {
   constexpr VariableType kPose = n == 2 ? VariableType::kPose2 : VariableType::kPose3;
@@ -129,7 +140,8 @@ std::vector<Sighting<n>> find_sightings(const Problem& problem) {
     const auto signature = batch->signature();
     if (signature.size() != 2 || signature[0] != kPose || signature[1] != kPoint) continue;
     for (std::size_t i = 0; i < batch->size(); ++i) {
-      const std::uint32_t pose = batch->variable_indices()[2 * i], point = batch->variable_indices()[2 * i + 1];
+      const std::uint32_t pose = batch->variable_indices()[2 * i],
+                          point = batch->variable_indices()[2 * i + 1];
       if (!batch->predict_last(i, at_origin)) continue;
       const Eigen::MatrixXd J = batch->evaluate(i, {at_origin}).jacobians[1];
       const double weight = J.squaredNorm() / n;
@@ -141,8 +153,9 @@ std::vector<Sighting<n>> find_sightings(const Problem& problem) {
   return sightings;
 }
 
-// Row k of every rotation and coordinate k of every position obey the same equations, so they share one matrix:
-// node = (row of R, coordinate of t) for a pose, coordinate for a point; n right-hand sides.
+// Row k of every rotation and coordinate k of every position obey the same equations, so they share
+// one matrix: node = (row of R, coordinate of t) for a pose, coordinate for a point; n right-hand
+// sides.
 template <class Pose>
 class JointRelaxation {
  public:
@@ -157,25 +170,30 @@ class JointRelaxation {
     if (joint.empty()) return false;
     std::vector<Pose> rotated = poses_of<n>(values_);
     for (std::size_t i = 0; i < rotated.size(); ++i) {
-      if (!graph_.held[i]) rotated[i] = Pose(project(joint[i].topRows(n).transpose()), rotated[i].translation());
+      if (!graph_.held[i])
+        rotated[i] = Pose(project(joint[i].topRows(n).transpose()), rotated[i].translation());
     }
     const std::vector<Small> positions = solve_positions(rotated);
     if (positions.empty()) return false;
     for (std::size_t i = 0; i < rotated.size(); ++i) {
-      if (!graph_.held[i]) rotated[i] = Pose(rotated[i].rotation(), positions[i].row(0).transpose());
+      if (!graph_.held[i])
+        rotated[i] = Pose(rotated[i].rotation(), positions[i].row(0).transpose());
     }
     poses_of<n>(values_) = std::move(rotated);
     auto& points = points_of<n>(values_);
     for (std::size_t i = 0; i < points.size(); ++i) {
-      if (point_node_[i] >= 0 && !held_point(i)) points[i] = positions[point_node_[i]].row(0).transpose();
+      if (point_node_[i] >= 0 && !held_point(i))
+        points[i] = positions[point_node_[i]].row(0).transpose();
     }
     return true;
   }
 
  private:
   static Rotation project(const Eigen::MatrixXd& m) {
-    if constexpr (n == 2) return So2(std::atan2(m(1, 0) - m(0, 1), m(0, 0) + m(1, 1)));
-    else return So3::project(m);
+    if constexpr (n == 2)
+      return So2(std::atan2(m(1, 0) - m(0, 1), m(0, 0) + m(1, 1)));
+    else
+      return So3::project(m);
   }
 
   [[nodiscard]] bool held_point(std::size_t index) const {
@@ -191,7 +209,8 @@ class JointRelaxation {
     for (const Sighting<n>& sighting : sightings_) {
       if (point_node_[sighting.point] >= 0) continue;
       point_node_[sighting.point] = system.add_node(1);
-      if (held_point(sighting.point)) system.hold(point_node_[sighting.point], points[sighting.point].transpose());
+      if (held_point(sighting.point))
+        system.hold(point_node_[sighting.point], points[sighting.point].transpose());
     }
   }
 
@@ -214,12 +233,13 @@ class JointRelaxation {
       system.add({a, b, rotation_a, rotation_b, Small::Zero(n, n), measured.rotation_weight});
       Small position_b = Small::Zero(1, n + 1);
       position_b(0, n) = 1.0;
-      system.add({a, b, minus_seen_from(measured.T_a_b.translation()), position_b, Small::Zero(1, n),
-                  measured.translation_weight});
+      system.add({a, b, minus_seen_from(measured.T_a_b.translation()), position_b,
+                  Small::Zero(1, n), measured.translation_weight});
     }
     for (const Sighting<n>& sighting : sightings_) {
-      system.add({static_cast<int>(sighting.pose), point_node_[sighting.point], minus_seen_from(sighting.p_body),
-                  Small::Ones(1, 1), Small::Zero(1, n), sighting.weight});
+      system.add({static_cast<int>(sighting.pose), point_node_[sighting.point],
+                  minus_seen_from(sighting.p_body), Small::Ones(1, 1), Small::Zero(1, n),
+                  sighting.weight});
     }
     return system.solve(n);
   }
@@ -238,7 +258,8 @@ class JointRelaxation {
       if (graph_.held[i]) system.hold(static_cast<int>(i), rotated[i].translation().transpose());
     }
     const Small one = Small::Ones(1, 1), minus_one = -one;
-    const auto add = [&](std::uint32_t a, int b, const Eigen::Matrix<double, n, 1>& p_a, double weight) {
+    const auto add = [&](std::uint32_t a, int b, const Eigen::Matrix<double, n, 1>& p_a,
+                         double weight) {
       const Eigen::Matrix<double, n, 1> step = rotated[a].rotation() * p_a;
       system.add({static_cast<int>(a), b, minus_one, one, step.transpose(), weight});
     };
@@ -260,7 +281,8 @@ class JointRelaxation {
 }  // namespace
 
 template <class Pose>
-bool chordal_poses_and_landmarks(const Problem& problem, const RelativePoseGraph<Pose>& graph, Values& values) {
+bool chordal_poses_and_landmarks(const Problem& problem, const RelativePoseGraph<Pose>& graph,
+                                 Values& values) {
   return JointRelaxation<Pose>(problem, graph, values).run();
 }
 

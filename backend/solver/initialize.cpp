@@ -70,9 +70,10 @@ class Initializer {
   }
 
   template <class Pose>
-  bool move_chordally(const RelativePoseGraph<Pose>& graph, std::vector<Pose>& poses, bool poses_only,
-                      Values& start) const {
-    return poses_only ? chordal_poses(graph, poses) : chordal_poses_and_landmarks(problem_, graph, start);
+  bool move_chordally(const RelativePoseGraph<Pose>& graph, std::vector<Pose>& poses,
+                      bool poses_only, Values& start) const {
+    return poses_only ? chordal_poses(graph, poses)
+                      : chordal_poses_and_landmarks(problem_, graph, start);
   }
 
   // Each landmark from the first factor that tells where it is.

@@ -17,6 +17,7 @@ constexpr double kSmallDecrease = 1e-9;
 constexpr double kSmallStep = 1e-11;
 // Gauss-Newton may climb out of a bad start, but not for ever.
 constexpr int kMaxIncreases = 20;
+constexpr int kMaxHalvings = 3;
 
 // One run of the loop: linearize -> propose -> retract -> judge -> accept or reject.
 class Minimizer {
@@ -79,14 +80,18 @@ class Minimizer {
     const bool last = step.newton && step.predicted_decrease <= kSmallDecrease * cost_.cost;
     const bool small_step = step.dx.size() == 0 || step.dx.cwiseAbs().maxCoeff() <= kSmallStep;
     equations_.retract(current_, step.dx, trial_);
-    const RangeCost trial_cost = evaluate_trial(last || small_step, report);
+    RangeCost trial_cost = evaluate_trial(last || small_step, report);
+    double predicted_decrease = step.predicted_decrease;
+    if (!(trial_cost.cost <= cost_.cost) && !last && !strategy_->accepts_increase()) {
+      predicted_decrease = backtrack(step, trial_cost, report);
+    }
     const double gain = cost_.cost - trial_cost.cost;
     const bool better = gain >= 0.0;
     if (better || (strategy_->accepts_increase() && std::isfinite(trial_cost.cost) &&
                    increases_ < kMaxIncreases)) {
       increases_ = better ? 0 : increases_ + 1;
       report.accepted = true;
-      accept(trial_cost, gain / step.predicted_decrease);
+      accept(trial_cost, gain / predicted_decrease);
     }
     if (last) return StopReason::kSmallDecrease;
     if (small_step) return StopReason::kSmallStep;
@@ -95,6 +100,24 @@ class Minimizer {
     // What cannot be improved by a step that promised next to nothing is rounding.
     if (step.predicted_decrease <= kSmallDecrease * cost_.cost) return StopReason::kSmallDecrease;
     return reject();
+  }
+
+  // Shortens a step that went too far: trial and its cost become those of the first length that
+  // gains a tenth of what the model promises, or stay. Damping would bend the step away from just
+  // the directions that are measured least, in which a badly started map has to move most; trying a
+  // length needs no factorization.
+  double backtrack(const Step& step, RangeCost& trial_cost, IterationReport& report) {
+    double length = 1.0;
+    for (int halving = 0; halving < kMaxHalvings; ++halving) {
+      length *= 0.5;
+      const double predicted = length * (2.0 - length) * step.predicted_decrease;
+      equations_.retract(current_, length * step.dx, trial_);
+      const RangeCost cost = evaluate_trial(true, report);
+      if (!(cost_.cost - cost.cost >= 0.1 * predicted)) continue;
+      trial_cost = cost;
+      return predicted;
+    }
+    return step.predicted_decrease;
   }
 
   // Linearizes at the trial, speculating that it will be accepted; the last step needs its cost
