@@ -19,7 +19,7 @@ constexpr double kPageHeight = 900.0;
 // A stroke of very many segments takes cairo more than linear time.
 constexpr std::size_t kSegmentsPerStroke = 1000;
 constexpr std::size_t kVectorBudget = 25'000;
-constexpr std::size_t kPixelBudget = 400'000;
+constexpr std::size_t kPixelBudget = 150'000;
 
 bool ends_with(std::string_view text, std::string_view end) {
   return text.size() > end.size() && text.substr(text.size() - end.size()) == end;

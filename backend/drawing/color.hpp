@@ -13,7 +13,7 @@ struct Color {
 inline constexpr Color kInk{0.13, 0.17, 0.22};       ///< text and single trajectories
 inline constexpr Color kQuietInk{0.42, 0.46, 0.51};  ///< secondary text
 inline constexpr Color kHairline{0.82, 0.84, 0.87};  ///< frames and grids
-inline constexpr Color kTruth{0.55, 0.60, 0.66};     ///< ground truth and reference
+inline constexpr Color kTruth{0.62, 0.67, 0.73};     ///< ground truth and reference
 inline constexpr Color kLandmark{0.86, 0.55, 0.05};
 inline constexpr Color kPaper{1.0, 1.0, 1.0};
 

@@ -18,6 +18,7 @@ constexpr double kStep = 0.5;   // page units
 // Layers of one depth, from below: loops by colour, then one per robot.
 constexpr int kFirstRobotLayer = ColorScale::kBins;
 constexpr std::size_t kRobotLayers = 8;
+constexpr int kTruthLayer = kFirstRobotLayer + static_cast<int>(kRobotLayers);
 
 int depth_bin(const Stroke& stroke) {
   return std::min(static_cast<int>(stroke.depth * kDepthBins), kDepthBins - 1);
@@ -67,13 +68,16 @@ double weight_for(std::size_t count) {
 }
 
 struct Pens {
-  double path_width, loop_width, loop_alpha;
+  double path_width = 1.0, loop_width = 1.0, loop_alpha = 1.0;
 };
 
 Pens choose_pens(const Scene& scene) {
-  const double path_width = weight_for(scene.poses);
-  return {path_width, std::min(1.2, 0.9 * weight_for(scene.loops.size())),
-          scene.loops.size() > 300 ? 0.75 : 0.9};
+  const std::size_t loops = scene.loops.size();
+  return {.path_width = weight_for(scene.poses),
+          .loop_width = std::min(1.2, 0.9 * weight_for(loops)),
+          .loop_alpha = loops > 50'000 ? 0.4
+                        : loops > 300  ? 0.75
+                                       : 0.9};
 }
 
 LineStyle style_of(const Stroke& stroke, const Pens& pens) {
@@ -82,7 +86,9 @@ LineStyle style_of(const Stroke& stroke, const Pens& pens) {
     const Color color = with_alpha(ColorScale::bin_color(stroke.layer), pens.loop_alpha);
     return {.color = faded(color, depth), .width = pens.loop_width * (1 - 0.4 * depth)};
   }
-  const Color color = robot_color(static_cast<std::size_t>(stroke.layer - kFirstRobotLayer));
+  const Color color = stroke.layer == kTruthLayer
+                          ? kTruth
+                          : robot_color(static_cast<std::size_t>(stroke.layer - kFirstRobotLayer));
   return {.color = faded(color, depth), .width = pens.path_width * (1 - 0.4 * depth)};
 }
 
@@ -100,10 +106,11 @@ void draw_strokes(Canvas& canvas, std::vector<Stroke> strokes, const Pens& pens)
 }
 
 void draw_truth(Canvas& canvas, const Window& window, const std::vector<Path>& truth) {
-  std::vector<Segment> lines;
-  for (const Stroke& stroke : path_strokes(window, truth, canvas.segment_budget()))
-    lines.push_back(stroke.line);
-  canvas.lines(lines, {.color = kTruth, .width = 1.3});
+  std::size_t poses = 0;
+  for (const Path& path : truth) poses += path.positions.size();
+  std::vector<Stroke> strokes = path_strokes(window, truth, canvas.segment_budget());
+  for (Stroke& stroke : strokes) stroke.layer = kTruthLayer;
+  draw_strokes(canvas, std::move(strokes), {.path_width = 0.8 * weight_for(poses)});
 }
 
 // One dot per visible place: what falls on the same spot is drawn once.

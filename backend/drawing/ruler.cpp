@@ -51,10 +51,10 @@ std::vector<double> logarithmic_ticks(double low, double high) {
 }
 
 std::string format_length(double meters) {
-  if (meters >= 1000.0) return format_number(meters / 1000.0, 6) + " km";
-  if (meters >= 1.0 || meters == 0.0) return format_number(meters, 6) + " m";
-  if (meters >= 0.01) return format_number(meters * 100.0, 6) + " cm";
-  return format_number(meters * 1000.0, 6) + " mm";
+  if (meters >= 1000.0) return format_number(meters / 1000.0, 4) + " km";
+  if (meters >= 1.0 || meters == 0.0) return format_number(meters, 4) + " m";
+  if (meters >= 0.01) return format_number(meters * 100.0, 4) + " cm";
+  return format_number(meters * 1000.0, 4) + " mm";
 }
 
 std::string format_number(double value, int digits) {

@@ -39,11 +39,16 @@ std::optional<std::pair<int, int>> parse_size(const std::string& text) {
   return std::pair(width, height);
 }
 
+std::string display_name(const std::string& path) {
+  return path == "-" ? "standard input" : std::filesystem::path(path).filename().string();
+}
+
 Result<PictureOptions> picture_options(const PlotArguments& a) {
   const bool single = a.paths.size() == 2;
   PictureOptions options{.title = a.title, .width_px = single ? 1200 : 1600, .height_px = 900};
-  if (options.title.empty())
-    options.title = single ? std::filesystem::path(a.paths[0]).filename().string() : "graphs";
+  for (std::size_t i = 0; a.title.empty() && i + 1 < a.paths.size(); ++i) {
+    options.title += (i == 0 ? "" : ", ") + display_name(a.paths[i]);
+  }
   if (a.size.empty()) return options;
   const auto size = parse_size(a.size);
   if (!size)
@@ -90,8 +95,7 @@ Result<void> caption_panels(const PlotArguments& a, Panels& panels) {
   for (std::size_t i = 0; i < panels.documents.size(); ++i) {
     const Graph& graph = panels.documents[i].graph;
     std::string caption = "chi2 " + drawing::format_number(compute_chi2(graph), 10);
-    if (panels.documents.size() > 1)
-      caption = std::filesystem::path(a.paths[i]).filename().string() + ": " + caption;
+    if (panels.documents.size() > 1) caption = display_name(a.paths[i]) + ": " + caption;
     if (panels.truth) {
       const Result<TruthComparison> comparison =
           compare_with_truth(graph, graph.values(), panels.truth->graph);
