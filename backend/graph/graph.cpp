@@ -23,8 +23,9 @@ Graph& Graph::operator=(const Graph& other) {
 
 Result<VariableSlot> Graph::add_variable(VariableId id, VariableType type, std::size_t index) {
   const auto slot = static_cast<VariableSlot>(variables_.size());
-  if (!slot_of_id_.emplace(id, slot).second) {
-    return Error{ErrorCode::kBadInput, "variable " + std::to_string(id.value) + " is defined twice"};
+  if (!slot_of_id_.insert(id, slot)) {
+    return Error{ErrorCode::kBadInput,
+                 "variable " + std::to_string(id.value) + " is defined twice"};
   }
   variables_.push_back({id, type, static_cast<std::uint32_t>(index), false});
   slots_[static_cast<std::size_t>(type)].push_back(slot);
@@ -69,11 +70,7 @@ void Graph::reserve_values(VariableType type, std::size_t count) {
   }
 }
 
-std::optional<VariableSlot> Graph::find(VariableId id) const {
-  const auto found = slot_of_id_.find(id);
-  if (found == slot_of_id_.end()) return std::nullopt;
-  return found->second;
-}
+std::optional<VariableSlot> Graph::find(VariableId id) const { return slot_of_id_.find(id); }
 
 std::vector<VariableSlot> Graph::slots_of(FactorRef factor) const {
   const FactorBatch& batch = *batches_[factor.batch];
@@ -81,7 +78,8 @@ std::vector<VariableSlot> Graph::slots_of(FactorRef factor) const {
   std::vector<VariableSlot> slots;
   slots.reserve(signature.size());
   for (std::size_t k = 0; k < signature.size(); ++k) {
-    slots.push_back(slot_of(signature[k], batch.variable_indices()[factor.index * signature.size() + k]));
+    slots.push_back(
+        slot_of(signature[k], batch.variable_indices()[factor.index * signature.size() + k]));
   }
   return slots;
 }
@@ -93,7 +91,8 @@ bool is_relative_pose_batch(const FactorBatch& batch) {
   return signature.size() == 2 && is_pose(signature[0]) && is_pose(signature[1]);
 }
 
-// For each pose slot, the slot of the next pose id of the same robot (or itself at the end of a trajectory).
+// For each pose slot, the slot of the next pose id of the same robot (or itself at the end of a
+// trajectory).
 std::vector<VariableSlot> successors(const Graph& graph) {
   const auto variables = graph.variables();
   std::vector<VariableSlot> poses, next(variables.size());
@@ -101,10 +100,14 @@ std::vector<VariableSlot> successors(const Graph& graph) {
     next[s] = s;
     if (is_pose(variables[s].type)) poses.push_back(s);
   }
-  const auto by_id = [&](VariableSlot a, VariableSlot b) { return variables[a].id < variables[b].id; };
-  if (!std::is_sorted(poses.begin(), poses.end(), by_id)) std::sort(poses.begin(), poses.end(), by_id);
+  const auto by_id = [&](VariableSlot a, VariableSlot b) {
+    return variables[a].id < variables[b].id;
+  };
+  if (!std::is_sorted(poses.begin(), poses.end(), by_id))
+    std::sort(poses.begin(), poses.end(), by_id);
   for (std::size_t i = 1; i < poses.size(); ++i) {
-    const bool same_robot = variables[poses[i - 1]].id.value >> 56 == variables[poses[i]].id.value >> 56;
+    const bool same_robot =
+        variables[poses[i - 1]].id.value >> 56 == variables[poses[i]].id.value >> 56;
     if (same_robot) next[poses[i - 1]] = poses[i];
   }
   return next;
@@ -115,39 +118,49 @@ std::vector<VariableSlot> successors(const Graph& graph) {
 void classify_factor_kinds(Graph& graph) {
   const std::vector<VariableSlot> next = successors(graph);
   std::vector<bool> has_odometry(next.size(), false);  // for the pair (slot, next[slot])
-  const auto pair_start = [&](const std::vector<VariableSlot>& slots) -> std::optional<VariableSlot> {
-    if (next[slots[0]] == slots[1]) return slots[0];
-    if (next[slots[1]] == slots[0]) return slots[1];
-    return std::nullopt;
+  // Calls visit(factor, slot) for each relative factor, with the slot of the earlier pose where it
+  // joins neighbors.
+  const auto for_each_relative = [&](const auto& visit) {
+    for (const FactorRef factor : graph.factors()) {
+      const FactorBatch& batch = *graph.batches()[factor.batch];
+      if (!is_relative_pose_batch(batch)) continue;
+      const std::uint32_t* indices = &batch.variable_indices()[2 * std::size_t{factor.index}];
+      const VariableSlot a = graph.slot_of(batch.signature()[0], indices[0]);
+      const VariableSlot b = graph.slot_of(batch.signature()[1], indices[1]);
+      std::optional<VariableSlot> start;
+      if (next[a] == b) start = a;
+      if (next[b] == a) start = b;
+      visit(factor, batch.kinds()[factor.index], start);
+    }
   };
-  for (const FactorRef factor : graph.factors()) {
-    const FactorBatch& batch = *graph.batches()[factor.batch];
-    if (!is_relative_pose_batch(batch) || batch.kinds()[factor.index] != FactorKind::kOdometry) continue;
-    if (const auto start = pair_start(graph.slots_of(factor))) has_odometry[*start] = true;
-  }
-  for (const FactorRef factor : graph.factors()) {
-    const FactorBatch& batch = *graph.batches()[factor.batch];
-    if (!is_relative_pose_batch(batch) || batch.kinds()[factor.index] == FactorKind::kOdometry) continue;
-    const auto start = pair_start(graph.slots_of(factor));
+  using Start = std::optional<VariableSlot>;
+  for_each_relative([&](FactorRef, FactorKind kind, Start start) {
+    if (kind == FactorKind::kOdometry && start) has_odometry[*start] = true;
+  });
+  for_each_relative([&](FactorRef factor, FactorKind kind, Start start) {
+    if (kind == FactorKind::kOdometry) return;
     const bool odometry = start && !has_odometry[*start];
     if (odometry) has_odometry[*start] = true;
     graph.set_kind(factor, odometry ? FactorKind::kOdometry : FactorKind::kLoop);
-  }
+  });
 }
 
 namespace internal {
 
 Error unknown_variable(VariableId id) {
-  return {ErrorCode::kBadInput, "factor refers to variable " + std::to_string(id.value) + ", which is not defined"};
+  return {ErrorCode::kBadInput,
+          "factor refers to variable " + std::to_string(id.value) + ", which is not defined"};
 }
 
 Error wrong_variable_type(VariableId id, VariableType expected, VariableType found) {
-  return {ErrorCode::kBadInput, "variable " + std::to_string(id.value) + " is a " + std::string(to_string(found)) +
-                                    ", but the factor needs a " + std::string(to_string(expected))};
+  return {ErrorCode::kBadInput, "variable " + std::to_string(id.value) + " is a " +
+                                    std::string(to_string(found)) + ", but the factor needs a " +
+                                    std::string(to_string(expected))};
 }
 
 Error repeated_variable(VariableId id) {
-  return {ErrorCode::kBadInput, "factor connects variable " + std::to_string(id.value) + " with itself"};
+  return {ErrorCode::kBadInput,
+          "factor connects variable " + std::to_string(id.value) + " with itself"};
 }
 
 Error invalid_information(std::string_view factor_name) {

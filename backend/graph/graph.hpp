@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <tsl/robin_map.h>
-
 #include <memory>
 #include <optional>
 #include <span>
@@ -11,6 +9,7 @@
 #include <vector>
 
 #include "cairn/core/result.hpp"
+#include "cairn/graph/slot_index.hpp"
 #include "cairn/graph/typed_batch.hpp"
 #include "cairn/graph/variable.hpp"
 
@@ -91,7 +90,7 @@ class Graph {
   std::vector<Variable> variables_;
   Values values_;
   std::array<std::vector<VariableSlot>, 4> slots_;
-  tsl::robin_map<VariableId, VariableSlot, std::hash<VariableId>> slot_of_id_;
+  SlotIndex slot_of_id_;
   std::vector<std::unique_ptr<FactorBatch>> batches_;
   std::vector<std::type_index> batch_types_;
   std::vector<FactorRef> factor_order_;
@@ -142,8 +141,8 @@ Result<FactorRef> Graph::add_factor(const F& factor,
   std::array<std::uint32_t, kArity> indices;
   for (std::size_t k = 0; k < kArity; ++k) {
     const auto slot = slot_of_id_.find(ids[k]);
-    if (slot == slot_of_id_.end()) return internal::unknown_variable(ids[k]);
-    const Variable& variable = variables_[slot->second];
+    if (!slot) return internal::unknown_variable(ids[k]);
+    const Variable& variable = variables_[*slot];
     if (variable.type != F::Variables::kArray[k]) {
       return internal::wrong_variable_type(ids[k], F::Variables::kArray[k], variable.type);
     }

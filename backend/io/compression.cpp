@@ -90,17 +90,17 @@ Result<std::string> decode(std::string_view in, const std::string& name, std::si
     if (!in_member) decoder.restart();
     in_member = true;
     const std::size_t size = text.size();
-    if (size > limit) {
-      return Error{ErrorCode::kBadInput,
-                   "decompresses to more than " + std::to_string(limit) +
-                       " bytes, half of this machine's memory; decompress and split it first",
-                   name};
-    }
     if (text.capacity() < size + kChunk) text.reserve(std::max(2 * size, size + kChunk));
     text.resize(size + kChunk);
     char* out = text.data() + size;
     const Step step = decoder.run(in, out, kChunk);
     text.resize(static_cast<std::size_t>(out - text.data()));
+    if (text.size() > limit) {
+      return Error{ErrorCode::kBadInput,
+                   "decompresses to more than " + std::to_string(limit) +
+                       " bytes, half of this machine's memory; decompress and split it first",
+                   name};
+    }
     if (step == Step::kMemberEnd) in_member = false;
     if (step == Step::kDamaged) {
       return Error{ErrorCode::kBadInput, "the compressed data is damaged; fetch the file again",

@@ -31,7 +31,7 @@ class EdgeReader {
           [&](const Record& record, const TagSpec& tag) { return add(source, record, tag); });
       if (!read) return read;
     }
-    return {};
+    return warn_of_dropped();
   }
 
  private:
@@ -169,9 +169,18 @@ class EdgeReader {
                              std::string(edge.tag->name) + " connects vertex " +
                                  std::to_string(fields_.ids[0]) + " with itself");
     }
+    if (dropped_++ == 0) first_dropped_ = source.place(record.line_number);
+    return {};
+  }
+
+  // Edges inside one variable say nothing about where it is.
+  Result<void> warn_of_dropped() {
+    if (dropped_ == 0) return {};
     return reading_.warn(
-        source.place(record.line_number),
-        "edge between two ids of one pose (EQUIV); it says nothing and is dropped");
+        first_dropped_,
+        dropped_ == 1
+            ? "an edge joins two ids of one pose (EQUIV) and is dropped"
+            : std::to_string(dropped_) + " edges join two ids of one pose (EQUIV) and are dropped");
   }
 
   Reading& reading_;
@@ -180,6 +189,8 @@ class EdgeReader {
   LineFields fields_;
   CopyFilter copies_;
   bool inferred_ = false;
+  std::size_t dropped_ = 0;
+  std::string first_dropped_;
 };
 
 }  // namespace

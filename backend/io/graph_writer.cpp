@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
 #include <charconv>
+#include <cmath>
 
 #include "cairn/io/edge_encoder.hpp"
 #include "cairn/io/equivalence.hpp"
@@ -36,6 +37,10 @@ class LineText {
  private:
   std::string text_;
 };
+
+bool is_finite(const std::vector<double>& numbers) {
+  return std::all_of(numbers.begin(), numbers.end(), [](double x) { return std::isfinite(x); });
+}
 
 // The ids that EQUIV lines merged into another one, each with the variable it names now.
 std::vector<std::pair<VariableId, VariableSlot>> merged_names(const GraphDocument& document) {
@@ -123,6 +128,10 @@ class GraphWriter {
                       std::to_string(variable.id.value) + "); choose g2o");
       }
       write_vertex(tag, variable.id, variable);
+      if (!is_finite(columns_)) {
+        return refuse("vertex " + std::to_string(variable.id.value) +
+                      " has a value that is not finite; its edges hold numbers beyond all measure");
+      }
     }
     for (const auto& [name, slot] : aliases_) {
       const Variable& variable = graph_.variables()[slot];
@@ -195,6 +204,10 @@ class GraphWriter {
         text_.add(id_of(graph_.slot_of(batch.signature()[k], index)));
       }
       for (const ParameterId parameter : line.parameters) text_.add(parameter.value);
+      if (!is_finite(line.numbers)) {
+        return refuse("a factor of type " + std::string(batch.type_name()) +
+                      " holds a number that is not finite");
+      }
       text_.add(line.numbers).end();
     }
     return {};

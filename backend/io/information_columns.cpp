@@ -58,6 +58,21 @@ Matrix<N> square(const std::vector<double>& root) {
   return omega;
 }
 
+// To 14 digits of the largest entry of a column: squaring and taking the root are off by a few
+// units of the 16th, and would not give the same digits again.
+template <int N>
+void round_columns(Matrix<N>& R) {
+  for (int j = 0; j < N; ++j) {
+    const double largest = R.col(j).cwiseAbs().maxCoeff();
+    if (!(largest > 1e-100 && largest < 1e100)) continue;
+    const int decimals = 14 - static_cast<int>(std::ceil(std::log10(largest)));
+    const double scale = std::pow(10.0, std::abs(decimals));
+    for (double& x : R.col(j)) {
+      x = decimals >= 0 ? std::round(x * scale) / scale : std::round(x / scale) * scale;
+    }
+  }
+}
+
 // R with R^T R = Omega; a row of zeros where Omega has lost a rank.
 template <int N>
 std::vector<double> square_root(const Matrix<N>& omega) {
@@ -71,6 +86,7 @@ std::vector<double> square_root(const Matrix<N>& omega) {
       R(i, j) = j == i ? std::sqrt(rest) : rest / R(i, i);
     }
   }
+  round_columns<N>(R);
   std::vector<double> root;
   append_upper_triangle<N>(R, root);
   return root;

@@ -13,13 +13,12 @@ class MissingVariables {
   Result<void> add() {
     collect(false);
     if (waits_for_twins_) collect(true);
-    std::vector<std::pair<VariableId, VariableType>> missing(types_.begin(), types_.end());
-    std::sort(missing.begin(), missing.end());
-    for (const auto& [id, type] : missing) {
+    std::sort(missing_.begin(), missing_.end());
+    for (const auto& [id, type] : missing_) {
       if (!add_at_origin(id, type))
         return Error{ErrorCode::kInternal, "a missing variable is not missing"};
     }
-    return warn_about(missing);
+    return warn();
   }
 
  private:
@@ -29,14 +28,11 @@ class MissingVariables {
       (void)source.for_each(
           TagRole::kEdge, [&](const Record& record, const TagSpec& named) -> Result<void> {
             if (twins_only && !source.has_twin(named)) return {};
-            const TagSpec* tag = fitting_tag(source, record, named, type_of_first(record));
-            if (!tag) {
+            const auto first = source.has_twin(named) ? type_of_first(record) : std::nullopt;
+            if (const TagSpec* tag = fitting_tag(source, record, named, first)) {
+              note(record, *tag);
+            } else {
               waits_for_twins_ = true;  // its pose may be known once the other edges are
-              return {};
-            }
-            for (int k = 0; k < tag->variable_count; ++k) {
-              if (const auto id = find_id(record, k))
-                note(*id, tag->variables[static_cast<std::size_t>(k)]);
             }
             return {};
           });
@@ -48,13 +44,22 @@ class MissingVariables {
     if (!id) return std::nullopt;
     const VariableId root = reading_.equivalence.root(*id);
     if (const auto slot = graph().find(root)) return graph().variables()[*slot].type;
-    const auto found = types_.find(root);
-    return found == types_.end() ? std::nullopt : std::optional(found->second);
+    const auto found = index_.find(root);
+    return found ? std::optional(missing_[*found].second) : std::nullopt;
   }
 
-  void note(VariableId id, VariableType type) {
-    const VariableId root = reading_.equivalence.root(id);
-    if (reading_.may_be_left_out(root, type) && !graph().find(root)) types_.emplace(root, type);
+  void note(const Record& record, const TagSpec& tag) {
+    FieldCursor fields(record);
+    for (int k = 0; k < tag.variable_count; ++k) {
+      const auto field = fields.next();
+      VariableId id;
+      if (!field || parse_id(field->text, id.value) != NumberFault::kNone) return;
+      const VariableId root = reading_.equivalence.root(id);
+      const VariableType type = tag.variables[static_cast<std::size_t>(k)];
+      if (!reading_.may_be_left_out(root, type) || graph().find(root)) continue;
+      if (index_.insert(root, static_cast<std::uint32_t>(missing_.size())))
+        missing_.emplace_back(root, type);
+    }
   }
 
   bool add_at_origin(VariableId id, VariableType type) {
@@ -73,20 +78,21 @@ class MissingVariables {
   }
 
   // Files with edges only are usual; leaving out a part of the vertices is worth a word.
-  Result<void> warn_about(const std::vector<std::pair<VariableId, VariableType>>& missing) {
-    if (missing.empty() || missing.size() == graph().variables().size()) return {};
-    const std::string count = std::to_string(missing.size());
+  Result<void> warn() {
+    if (missing_.empty() || missing_.size() == graph().variables().size()) return {};
+    const std::string count = std::to_string(missing_.size());
     return reading_.warn(reading_.sources.front().name(),
-                         count + (missing.size() == 1 ? " vertex has" : " vertices have") +
+                         count + (missing_.size() == 1 ? " vertex has" : " vertices have") +
                              " no line, the first is " +
-                             std::to_string(missing.front().first.value) +
+                             std::to_string(missing_.front().first.value) +
                              "; the start is computed from the edges");
   }
 
   [[nodiscard]] const Graph& graph() const { return reading_.document.graph; }
 
   Reading& reading_;
-  tsl::robin_map<VariableId, VariableType, std::hash<VariableId>> types_;
+  SlotIndex index_;  // of missing_
+  std::vector<std::pair<VariableId, VariableType>> missing_;
   bool waits_for_twins_ = false;
 };
 

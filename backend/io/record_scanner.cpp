@@ -65,6 +65,45 @@ NumberFault parse_integer(std::string_view text, Integer& id) {
   return status == std::errc() && rest == end ? NumberFault::kNone : NumberFault::kNotANumber;
 }
 
+// The number at `p` in the form most files have, digits with a point and no exponent: exact,
+// because an integer below 2^53 and a power of ten up to 10^22 are doubles (Clinger 1990). Null for
+// others.
+const char* take_short_decimal(const char* p, const char* end, double& value) {
+  constexpr int kMaxDigits = 15;
+  constexpr double kPowersOfTen[] = {1e0, 1e1, 1e2,  1e3,  1e4,  1e5,  1e6,  1e7,
+                                     1e8, 1e9, 1e10, 1e11, 1e12, 1e13, 1e14, 1e15};
+  const bool negative = p != end && *p == '-';
+  if (negative) ++p;
+  std::uint64_t mantissa = 0;
+  const char* const digits = p;
+  while (p != end && is_digit(*p))
+    mantissa = 10 * mantissa + static_cast<std::uint64_t>(*p++ - '0');
+  std::ptrdiff_t count = p - digits, decimals = 0;
+  if (p != end && *p == '.') {
+    const char* const point = p++;
+    while (p != end && is_digit(*p))
+      mantissa = 10 * mantissa + static_cast<std::uint64_t>(*p++ - '0');
+    decimals = p - point - 1;
+    count += decimals;
+  }
+  if (count == 0 || count > kMaxDigits) return nullptr;
+  value = static_cast<double>(mantissa) / kPowersOfTen[decimals];
+  if (negative) value = -value;
+  return p;
+}
+
+const char* take_number(const char* p, const char* end, std::uint64_t& id) {
+  const auto [rest, status] = std::from_chars(p, end, id);
+  return status == std::errc() ? rest : nullptr;
+}
+
+const char* take_number(const char* p, const char* end, double& value) {
+  const char* rest = take_short_decimal(p, end, value);
+  if (rest && (rest == end || (*rest != 'e' && *rest != 'E'))) return rest;
+  const auto [long_rest, status] = std::from_chars(p, end, value);
+  return status == std::errc() && std::isfinite(value) ? long_rest : nullptr;
+}
+
 // One field at `p`, which moves behind it; false sends the caller to the slow path that finds out
 // why.
 template <class Number>
@@ -73,13 +112,8 @@ bool take(const char*& p, const char* end, char separator, Number& value) {
     ++p;
     if (p == end || !(is_digit(*p) || *p == '.')) return false;
   }
-  const auto [rest, status] = std::from_chars(p, end, value);
-  if (status != std::errc()) return false;
-  if constexpr (std::is_same_v<Number, double>) {
-    if (!std::isfinite(value)) return false;
-  }
-  p = rest;
-  if (p != end && !is_blank(*p) && *p != separator) return false;
+  p = take_number(p, end, value);
+  if (!p || (p != end && !is_blank(*p) && *p != separator)) return false;
   p = skip_blanks(p, end);
   if (p == end || separator == ' ' || *p != separator) return true;
   p = skip_blanks(p + 1, end);

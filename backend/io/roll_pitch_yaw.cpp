@@ -4,29 +4,21 @@
 #include <algorithm>
 #include <cmath>
 
-#include "cairn/io/settle.hpp"
-
 namespace cairn {
 namespace {
 
-// Near gimbal lock (pitch = +-pi/2) only a sum of roll and yaw is determined, and roundings of roll grow
-// by 1 / cos(pitch). Any roll within that is as good: take a round one, so that it comes out again.
-double steady_roll(const Eigen::Matrix3d& R) {
-  constexpr double kNearLock = 0.1;
-  const double roll = std::atan2(R(2, 1), R(2, 2));
-  const double cos_pitch = std::hypot(R(2, 1), R(2, 2));
-  if (cos_pitch > kNearLock) return roll;
-  const double grain = std::exp2(std::ceil(std::log2(1e-14 / std::max(cos_pitch, 1e-14))));
-  return std::round(roll / grain) * grain;
+// Angles to and from a rotation are off by some 1e-15 rad; rounded to 14 decimals they come back as
+// they were written, with the digits they were written with.
+double round_decimals(double angle_rad, int decimals) {
+  const double scale = std::pow(10.0, decimals);
+  return std::round(angle_rad * scale) / scale;
 }
 
-std::array<double, 3> to_angles(const So3& rotation) {
-  const Eigen::Matrix3d R = rotation.matrix();
-  const double roll = steady_roll(R), c = std::cos(roll), s = std::sin(roll);
-  // S = R Rx(roll)^T = Rz(yaw) Ry(pitch)
-  const double S01 = c * R(0, 1) - s * R(0, 2), S11 = c * R(1, 1) - s * R(1, 2);
-  const double S22 = s * R(2, 1) + c * R(2, 2);
-  return {roll, std::atan2(0.0 - R(2, 0), S22), std::atan2(0.0 - S01, S11)};
+// Near gimbal lock (pitch = +-pi/2) only a sum of roll and yaw is determined, and roundings of roll
+// grow by 1 / cos(pitch). Any roll within that is as good: take a rounder one.
+int decimals_of_roll(double cos_pitch) {
+  constexpr double kNoise = 2e-15;
+  return static_cast<int>(std::floor(-std::log10(kNoise / std::max(cos_pitch, kNoise))));
 }
 
 }  // namespace
@@ -41,9 +33,15 @@ So3 rotation_from_roll_pitch_yaw(const std::array<double, 3>& angles_rad) {
 }
 
 std::array<double, 3> roll_pitch_yaw_from_rotation(const So3& rotation) {
-  return settle(to_angles(rotation), [](const std::array<double, 3>& angles) {
-    return to_angles(rotation_from_roll_pitch_yaw(angles));
-  });
+  const Eigen::Matrix3d R = rotation.quaternion().normalized().toRotationMatrix();
+  const int decimals = decimals_of_roll(std::hypot(R(2, 1), R(2, 2)));
+  const double roll = round_decimals(std::atan2(R(2, 1), R(2, 2)), decimals);
+  const double c = std::cos(roll), s = std::sin(roll);
+  // S = R Rx(roll)^T = Rz(yaw) Ry(pitch)
+  const double S01 = c * R(0, 1) - s * R(0, 2), S11 = c * R(1, 1) - s * R(1, 2);
+  const double S22 = s * R(2, 1) + c * R(2, 2);
+  return {roll, round_decimals(std::atan2(0.0 - R(2, 0), S22), 14),
+          round_decimals(std::atan2(0.0 - S01, S11), 14)};
 }
 
 }  // namespace cairn

@@ -7,12 +7,11 @@
 namespace cairn {
 
 /// The value at which `step` stands still, or the smallest of those where it goes round in a
-/// circle. Some formats hold numbers we convert with rounding (roll-pitch-yaw, square-root
-/// information); what is written is settled first, so that reading and writing it again gives the
-/// same digits.
+/// circle. Square-root information is converted with rounding; what is written is settled first, so
+/// that reading and writing it again gives the same digits.
 template <class Value, class Step>
 Value settle(const Value& start, const Step& step) {
-  constexpr int kMaxSteps = 64;  // one or two are enough but near gimbal lock and rank loss
+  constexpr int kMaxSteps = 64;  // one or two are enough but near rank loss
   std::vector<Value> seen{start};
   for (int i = 0; i < kMaxSteps; ++i) {
     const Value next = step(seen.back());

@@ -109,21 +109,21 @@ void place_ahead(Values& values, const Variable& pose, const Variable& point) {
 
 void place_landmarks(Graph& graph, const std::vector<bool>& has_start) {
   std::vector<bool> known(has_start);
-  const auto sees_unplaced = [&](const std::vector<VariableSlot>& slots) {
-    return slots.size() == 2 && !known[slots[1]] && !is_pose(graph.variables()[slots[1]].type);
-  };
   for (const bool may_guess : {false, true}) {  // first those that a factor tells
     for (const FactorRef factor : graph.factors()) {
       const FactorBatch& batch = *graph.batches()[factor.batch];
-      if (is_pose(batch.signature().back())) continue;
-      const auto slots = graph.slots_of(factor);
-      if (!sees_unplaced(slots)) continue;
+      const auto signature = batch.signature();
+      if (signature.size() != 2 || is_pose(signature[1])) continue;
+      const std::uint32_t* indices = &batch.variable_indices()[2 * std::size_t{factor.index}];
+      const VariableSlot point = graph.slot_of(signature[1], indices[1]);
+      if (known[point]) continue;
       if (may_guess) {
-        place_ahead(graph.values(), graph.variables()[slots[0]], graph.variables()[slots[1]]);
+        const VariableSlot pose = graph.slot_of(signature[0], indices[0]);
+        place_ahead(graph.values(), graph.variables()[pose], graph.variables()[point]);
       } else if (!batch.predict_last(factor.index, graph.values())) {
         continue;
       }
-      known[slots[1]] = true;
+      known[point] = true;
     }
   }
 }

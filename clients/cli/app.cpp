@@ -7,6 +7,8 @@ namespace {
 // In the order `cairn --help` lists them.
 const std::vector<AddVerb> kVerbs{
     add_optimize,
+    add_convert,
+    add_info,
     add_plot,
     add_generate_docs,
 };

@@ -160,7 +160,8 @@ TEST(ReadGraph, MergesEquivalentPosesAndWritesThemEqual) {
   EXPECT_EQ(d.graph.variables().size(), 2u);
   EXPECT_EQ(d.graph.factor_count(), 1u);
   EXPECT_EQ(compute_chi2(d.graph), 0.0);
-  EXPECT_THAT(d.warnings, ElementsAre(HasSubstr("f:5:1: edge between two ids of one pose")));
+  EXPECT_THAT(d.warnings,
+              ElementsAre("f:5:1: an edge joins two ids of one pose (EQUIV) and is dropped"));
   EXPECT_EQ(write(d, GraphFormat::kToro),
             "VERTEX2 0 0 0 0\nVERTEX2 1 1 0 0\nVERTEX2 2 1 0 0\nEDGE2 0 1 1 0 0 1 0 1 1 0 0\nEQUIV "
             "1 2\n");
