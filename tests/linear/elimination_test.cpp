@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "cairn/linear/elimination.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <numeric>
+
+#include "tests/support/reference_solver.hpp"
+
+namespace cairn {
+namespace {
+
+BlockGraph grid(int side) {
+  std::vector<std::pair<int, int>> pairs;
+  for (int i = 0; i < side * side; ++i) {
+    if (i % side + 1 < side) pairs.emplace_back(i, i + 1);
+    if (i + side < side * side) pairs.emplace_back(i, i + side);
+  }
+  return BlockGraph::from_pairs(side * side, pairs);
+}
+
+bool is_permutation_of_all(std::vector<int> position) {
+  std::sort(position.begin(), position.end());
+  std::vector<int> all(position.size());
+  std::iota(all.begin(), all.end(), 0);
+  return position == all;
+}
+
+TEST(Elimination, IsAPermutationWhoseColumnCountsEqualADenseSymbolicElimination) {
+  for (std::uint32_t seed = 0; seed < 20; ++seed) {
+    const test::RandomBlockSystem system(60, seed);
+    const Elimination& elimination = system.elimination;
+    EXPECT_TRUE(is_permutation_of_all(elimination.position)) << "seed " << seed;
+    EXPECT_EQ(elimination.count, test::dense_column_counts(system.graph, elimination.position))
+        << "seed " << seed;
+  }
+}
+
+TEST(Elimination, IsPostorderedSoChildrenComeBeforeTheirParentsInOneRun) {
+  for (std::uint32_t seed = 0; seed < 20; ++seed) {
+    const std::vector<int> parent = test::RandomBlockSystem(60, seed).elimination.parent;
+    std::vector<int> below(parent.size(), 1);
+    for (int j = 0; j < static_cast<int>(parent.size()); ++j) {
+      if (parent[j] < 0) continue;
+      EXPECT_GT(parent[j], j) << "seed " << seed;
+      below[parent[j]] += below[j];
+    }
+    // In a postorder the last child of a node is right before it.
+    for (int j = 0; j < static_cast<int>(parent.size()); ++j) {
+      if (below[j] == 1) continue;
+      EXPECT_EQ(parent[j - 1], j) << "seed " << seed;
+    }
+  }
+}
+
+TEST(Elimination, IsDeterministic) {
+  const BlockGraph graph = grid(30);
+  const Elimination first = find_elimination(graph), second = find_elimination(graph);
+  EXPECT_EQ(first.position, second.position);
+  EXPECT_EQ(first.count, second.count);
+}
+
+TEST(Elimination, TriesNestedDissectionOnLargeGraphsAndStaysAPermutation) {
+  const BlockGraph graph = grid(120);
+  const Elimination elimination = find_elimination(graph);
+  EXPECT_TRUE(is_permutation_of_all(elimination.position));
+  EXPECT_EQ(elimination.position, find_elimination(graph).position);
+  EXPECT_EQ(elimination.method, "metis");  // a grid this large is where dissection pays
+  // Against a banded elimination, which fills its band of 120.
+  EXPECT_LT(elimination.block_operations(), 0.25 * 120.0 * 120.0 * 120.0 * 120.0);
+}
+
+TEST(Elimination, LeavesTreesWithoutFill) {
+  std::vector<std::pair<int, int>> pairs;
+  for (int i = 1; i < 200; ++i) pairs.emplace_back(i, (i - 1) / 2);
+  const Elimination elimination = find_elimination(BlockGraph::from_pairs(200, pairs));
+  EXPECT_EQ(std::accumulate(elimination.count.begin(), elimination.count.end(), 0), 200 + 199);
+}
+
+TEST(Elimination, TakesNoBlocksAndBlocksWithoutNeighbors) {
+  EXPECT_TRUE(find_elimination(BlockGraph::from_pairs(0, {})).position.empty());
+  EXPECT_THAT(find_elimination(BlockGraph::from_pairs(3, {})).count,
+              ::testing::ElementsAre(1, 1, 1));
+}
+
+}  // namespace
+}  // namespace cairn

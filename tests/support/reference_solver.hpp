@@ -1,0 +1,104 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <Eigen/Cholesky>
+#include <Eigen/Core>
+#include <algorithm>
+#include <random>
+#include <utility>
+#include <vector>
+
+#include "cairn/linear/block_pattern.hpp"
+#include "cairn/linear/elimination.hpp"
+
+namespace cairn::test {
+
+/// The slow, obvious referees beside the sparse code.
+
+/// The whole symmetric matrix behind a pattern and its values.
+inline Eigen::MatrixXd to_dense(const BlockPattern& pattern, const std::vector<double>& values) {
+  Eigen::MatrixXd A = Eigen::MatrixXd::Zero(pattern.scalar_size(), pattern.scalar_size());
+  for (int j = 0; j < pattern.size(); ++j) {
+    const Eigen::Map<const Eigen::MatrixXd> panel(values.data() + pattern.value_begin[j],
+                                                  pattern.height[j], pattern.dimension[j]);
+    for (int k = pattern.column_begin[j]; k < pattern.column_begin[j + 1]; ++k) {
+      const int i = pattern.row[k];
+      const auto block = panel.middleRows(pattern.row_offset[k], pattern.dimension[i]);
+      const int row = pattern.scalar_begin[i], column = pattern.scalar_begin[j];
+      A.block(row, column, block.rows(), block.cols()) = block;
+      A.block(column, row, block.cols(), block.rows()) = block.transpose();
+    }
+  }
+  return A;
+}
+
+/// The non-zero blocks of each column of the Cholesky factor, found by eliminating one block after
+/// the other in a full table.
+inline std::vector<int> dense_column_counts(const BlockGraph& graph,
+                                            const std::vector<int>& position) {
+  const int n = graph.size();
+  std::vector<std::vector<bool>> filled(n, std::vector<bool>(n, false));
+  for (int i = 0; i < n; ++i) {
+    for (int k = graph.begin[i]; k < graph.begin[i + 1]; ++k)
+      filled[position[i]][position[graph.neighbors[k]]] = true;
+  }
+  std::vector<int> count(n, 1);
+  for (int j = 0; j < n; ++j) {
+    for (int i = j + 1; i < n; ++i) {
+      if (!filled[i][j]) continue;
+      ++count[j];
+      for (int l = j + 1; l < n; ++l) {
+        if (l != i && filled[l][j]) filled[i][l] = filled[l][i] = true;
+      }
+    }
+  }
+  return count;
+}
+
+/// A random sparse block system in elimination order: blocks of 1, 2, 3 and 6 rows, the matrix
+/// positive definite by construction (a sum of J^T J over pairs of blocks plus a little identity).
+struct RandomBlockSystem {
+  RandomBlockSystem(int blocks, std::uint32_t seed) : random(seed) {
+    constexpr int kSizes[] = {1, 2, 3, 6};
+    std::vector<int> dimension(blocks);
+    for (int& d : dimension) d = kSizes[random() % 4];
+    for (int i = 1; i < blocks; ++i) {  // connected, and about as dense as a map with loops
+      pairs.emplace_back(i, static_cast<int>(random() % static_cast<unsigned>(i)));
+      if (i % 3 == 0) pairs.emplace_back(static_cast<int>(random() % static_cast<unsigned>(i)), i);
+    }
+    graph = BlockGraph::from_pairs(blocks, pairs);
+    elimination = find_elimination(graph);
+    pattern = BlockPattern::build(graph, elimination.position, dimension);
+    values.assign(pattern.value_count(), 0.0);
+    for (int j = 0; j < blocks; ++j) add(j, j, 0.1 * Eigen::MatrixXd::Identity(size(j), size(j)));
+    for (const auto& [a, b] : pairs) add_factor(elimination.position[a], elimination.position[b]);
+  }
+
+  [[nodiscard]] int size(int block) const { return pattern.dimension[block]; }
+  Eigen::MatrixXd normal(int rows, int columns) {
+    std::normal_distribution<double> distribution;
+    return Eigen::MatrixXd::NullaryExpr(rows, columns, [&] { return distribution(random); });
+  }
+  void add(int i, int j, const Eigen::MatrixXd& block) {
+    const int entry = pattern.find(i, j);
+    Eigen::Map<Eigen::MatrixXd> panel(values.data() + pattern.value_begin[j], pattern.height[j],
+                                      size(j));
+    panel.middleRows(pattern.row_offset[entry], size(i)) += block;
+  }
+  void add_factor(int a, int b) {
+    const int i = std::max(a, b), j = std::min(a, b);
+    const Eigen::MatrixXd J_i = normal(3, size(i)), J_j = normal(3, size(j));
+    add(i, i, J_i.transpose() * J_i);
+    add(j, j, J_j.transpose() * J_j);
+    add(i, j, J_i.transpose() * J_j);
+  }
+
+  std::mt19937 random;
+  std::vector<std::pair<int, int>> pairs;
+  BlockGraph graph;
+  Elimination elimination;
+  BlockPattern pattern;
+  std::vector<double> values;
+};
+
+}  // namespace cairn::test
