@@ -25,10 +25,10 @@ using ParameterId = StrongId<struct ParameterIdTag, std::int64_t>;
 template <class Tag, class Integer>
 struct std::hash<cairn::StrongId<Tag, Integer>> {
   std::size_t operator()(cairn::StrongId<Tag, Integer> id) const noexcept {
-    // Fibonacci hashing: consecutive ids must not share low bits with the robot key in the top
-    // byte.
+    // Fibonacci hashing. The upper half of the product depends on every bit, the robot in the top
+    // byte included.
     std::uint64_t x = static_cast<std::uint64_t>(id.value);
     x ^= x >> 32;
-    return static_cast<std::size_t>(x * 0x9E3779B97F4A7C15ULL >> 7);
+    return static_cast<std::size_t>(x * 0x9E3779B97F4A7C15ULL >> 32);
   }
 };

@@ -11,4 +11,6 @@ Scalar1d Altitude::error(const Se3& T_map_body, ErrorChart /*chart*/,
   return Scalar1d(T_map_body.translation().z() - z_map_m_measured);
 }
 
+template class TypedBatch<Altitude>;
+
 }  // namespace cairn

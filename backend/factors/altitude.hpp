@@ -20,4 +20,6 @@ struct Altitude {
   Scalar1d error(const Se3& T_map_body, ErrorChart chart, Jacobian<1, 6>* J_e_pose) const;
 };
 
+extern template class TypedBatch<Altitude>;
+
 }  // namespace cairn

@@ -17,4 +17,6 @@ Scalar1d BearingXy::error(const Se2& T_map_body, const Eigen::Vector2d& p_map, E
   return Scalar1d(wrap_angle(bearing - bearing_rad_measured));
 }
 
+template class TypedBatch<BearingXy>;
+
 }  // namespace cairn

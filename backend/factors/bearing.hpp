@@ -21,4 +21,6 @@ struct BearingXy {
                  Jacobian<1, 3>* J_e_pose, Jacobian<1, 2>* J_e_point) const;
 };
 
+extern template class TypedBatch<BearingXy>;
+
 }  // namespace cairn

@@ -2,7 +2,6 @@
 #include "cairn/factors/between.hpp"
 
 namespace cairn {
-
 Eigen::Vector3d BetweenSe2::error(const Se2& T_map_a, const Se2& T_map_b, ErrorChart /*chart*/,
                                   Eigen::Matrix3d* J_e_a, Eigen::Matrix3d* J_e_b) const {
   const Se2 T_a_b = T_map_a.inverse() * T_map_b;   // prediction
@@ -36,5 +35,8 @@ RelativePose<Se3> BetweenSe3::relative_pose(std::uint32_t a, std::uint32_t b) co
   const IsotropicWeights weights = isotropic_weights(information);
   return {a, b, T_a_b_measured, weights.translation, weights.rotation};
 }
+
+template class TypedBatch<BetweenSe2>;
+template class TypedBatch<BetweenSe3>;
 
 }  // namespace cairn

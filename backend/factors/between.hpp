@@ -20,6 +20,13 @@ struct BetweenSe2 {
   Eigen::Vector3d error(const Se2& T_map_a, const Se2& T_map_b, ErrorChart chart,
                         Eigen::Matrix3d* J_e_a, Eigen::Matrix3d* J_e_b) const;
   [[nodiscard]] RelativePose<Se2> relative_pose(std::uint32_t a, std::uint32_t b) const;
+
+  /// Fast paths in the g2o chart, see TypedBatch.
+  static void squared_errors(const TypedBatch<BetweenSe2>& batch, std::size_t begin,
+                             std::size_t end, const Values& values, double* out);
+  static RangeCost linearize(const TypedBatch<BetweenSe2>& batch, std::size_t begin,
+                             std::size_t end, const EvaluationContext& context,
+                             const NormalEquationTargets& targets);
 };
 
 /// Relative pose between a and b, measured as T_a_b. e = chart(T_measured^-1 * T_map_a^-1 *
@@ -39,6 +46,16 @@ struct BetweenSe3 {
     return pose_information(information, chart);
   }
   [[nodiscard]] RelativePose<Se3> relative_pose(std::uint32_t a, std::uint32_t b) const;
+
+  /// Fast paths in the g2o chart, see TypedBatch.
+  static void squared_errors(const TypedBatch<BetweenSe3>& batch, std::size_t begin,
+                             std::size_t end, const Values& values, double* out);
+  static RangeCost linearize(const TypedBatch<BetweenSe3>& batch, std::size_t begin,
+                             std::size_t end, const EvaluationContext& context,
+                             const NormalEquationTargets& targets);
 };
+
+extern template class TypedBatch<BetweenSe2>;
+extern template class TypedBatch<BetweenSe3>;
 
 }  // namespace cairn

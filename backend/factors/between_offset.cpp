@@ -42,4 +42,7 @@ RelativePose<Se3> BetweenOffsetSe3::relative_pose(std::uint32_t a, std::uint32_t
   return {a, b, T_a_b, weights.translation, weights.rotation};
 }
 
+template class TypedBatch<BetweenOffsetSe2>;
+template class TypedBatch<BetweenOffsetSe3>;
+
 }  // namespace cairn

@@ -46,4 +46,7 @@ struct BetweenOffsetSe3 {
   [[nodiscard]] RelativePose<Se3> relative_pose(std::uint32_t a, std::uint32_t b) const;
 };
 
+extern template class TypedBatch<BetweenOffsetSe2>;
+extern template class TypedBatch<BetweenOffsetSe3>;
+
 }  // namespace cairn

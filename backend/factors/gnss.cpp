@@ -21,4 +21,7 @@ Eigen::Vector3d GnssSe3::error(const Se3& T_map_body, ErrorChart /*chart*/,
   return T_map_body * p_body_antenna - p_map_antenna_measured;
 }
 
+template class TypedBatch<GnssSe2>;
+template class TypedBatch<GnssSe3>;
+
 }  // namespace cairn

@@ -35,4 +35,7 @@ struct GnssSe3 {
   Eigen::Vector3d error(const Se3& T_map_body, ErrorChart chart, Jacobian<3, 6>* J_e_pose) const;
 };
 
+extern template class TypedBatch<GnssSe2>;
+extern template class TypedBatch<GnssSe3>;
+
 }  // namespace cairn

@@ -18,7 +18,7 @@ Eigen::Vector2d Gravity::error(const Se3& T_map_body, ErrorChart /*chart*/,
   const Eigen::Vector3d m = down_body_measured.normalized();
   const Eigen::Vector3d g = T_map_body.rotation().inverse() * Eigen::Vector3d(0.0, 0.0, -1.0);
   const Jacobian<3, 2> B = gravity_tangent_basis(m);
-  const double c = 1.0 + g.dot(m);
+  const double c = 0.5 * (g + m).squaredNorm();  // 1 + g.m, without cancellation near upside down
   if (J_e_pose) J_e_pose->setZero();
   if (c < 1e-12) return {2.0, 0.0};  // exactly upside down, no direction is nearer than another
   const double scale = std::sqrt(2.0 / c);
@@ -28,5 +28,7 @@ Eigen::Vector2d Gravity::error(const Se3& T_map_body, ErrorChart /*chart*/,
   }
   return e;
 }
+
+template class TypedBatch<Gravity>;
 
 }  // namespace cairn

@@ -25,6 +25,8 @@ struct Gravity {
   Eigen::Vector2d error(const Se3& T_map_body, ErrorChart chart, Jacobian<2, 6>* J_e_pose) const;
 };
 
+extern template class TypedBatch<Gravity>;
+
 /// Two unit vectors orthogonal to the unit vector m and to each other: b1 is the body's x axis made
 /// orthogonal to m (its y axis where |m.x| > 0.9), b2 = m x b1. For a level body (m = -z): b1 = x,
 /// b2 = -y.

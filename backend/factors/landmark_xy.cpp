@@ -19,4 +19,6 @@ bool LandmarkXy::predict_last(const Se2& T_map_body, Eigen::Vector2d& p_map) con
   return true;
 }
 
+template class TypedBatch<LandmarkXy>;
+
 }  // namespace cairn

@@ -24,4 +24,6 @@ struct LandmarkXy {
   bool predict_last(const Se2& T_map_body, Eigen::Vector2d& p_map) const;
 };
 
+extern template class TypedBatch<LandmarkXy>;
+
 }  // namespace cairn

@@ -19,4 +19,6 @@ bool LandmarkXyz::predict_last(const Se3& T_map_body, Eigen::Vector3d& p_map) co
   return true;
 }
 
+template class TypedBatch<LandmarkXyz>;
+
 }  // namespace cairn

@@ -24,4 +24,6 @@ struct LandmarkXyz {
   bool predict_last(const Se3& T_map_body, Eigen::Vector3d& p_map) const;
 };
 
+extern template class TypedBatch<LandmarkXyz>;
+
 }  // namespace cairn

@@ -23,4 +23,8 @@ Eigen::Vector2d PriorXy::error(const Se2& T_map_body, ErrorChart /*chart*/,
   return T_map_body.translation() - p_map_measured;
 }
 
+template class TypedBatch<PriorSe2>;
+template class TypedBatch<PriorSe3>;
+template class TypedBatch<PriorXy>;
+
 }  // namespace cairn

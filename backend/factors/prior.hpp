@@ -52,4 +52,8 @@ struct PriorXy {
                         Eigen::Matrix<double, 2, 3>* J_e_pose) const;
 };
 
+extern template class TypedBatch<PriorSe2>;
+extern template class TypedBatch<PriorSe3>;
+extern template class TypedBatch<PriorXy>;
+
 }  // namespace cairn

@@ -29,4 +29,7 @@ Scalar1d RangeXyz::error(const Se3& T_map_body, const Eigen::Vector3d& p_map, Er
   return Scalar1d(range - range_m_measured);
 }
 
+template class TypedBatch<RangeXy>;
+template class TypedBatch<RangeXyz>;
+
 }  // namespace cairn

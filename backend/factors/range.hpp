@@ -34,4 +34,7 @@ struct RangeXyz {
                  Jacobian<1, 6>* J_e_pose, Jacobian<1, 3>* J_e_point) const;
 };
 
+extern template class TypedBatch<RangeXy>;
+extern template class TypedBatch<RangeXyz>;
+
 }  // namespace cairn

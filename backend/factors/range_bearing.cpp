@@ -62,4 +62,7 @@ bool RangeBearingXyz::predict_last(const Se3& T_map_body, Eigen::Vector3d& p_map
   return true;
 }
 
+template class TypedBatch<RangeBearingXy>;
+template class TypedBatch<RangeBearingXyz>;
+
 }  // namespace cairn

@@ -42,4 +42,7 @@ struct RangeBearingXyz {
   bool predict_last(const Se3& T_map_body, Eigen::Vector3d& p_map) const;
 };
 
+extern template class TypedBatch<RangeBearingXy>;
+extern template class TypedBatch<RangeBearingXyz>;
+
 }  // namespace cairn

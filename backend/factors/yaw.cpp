@@ -23,4 +23,7 @@ Scalar1d YawSe3::error(const Se3& T_map_body, ErrorChart /*chart*/,
   return Scalar1d(wrap_angle(yaw - yaw_rad_measured));
 }
 
+template class TypedBatch<YawSe2>;
+template class TypedBatch<YawSe3>;
+
 }  // namespace cairn

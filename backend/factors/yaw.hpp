@@ -33,4 +33,7 @@ struct YawSe3 {
   Scalar1d error(const Se3& T_map_body, ErrorChart chart, Jacobian<1, 6>* J_e_pose) const;
 };
 
+extern template class TypedBatch<YawSe2>;
+extern template class TypedBatch<YawSe3>;
+
 }  // namespace cairn

@@ -7,7 +7,8 @@
 
 namespace cairn {
 
-/// A planar rigid motion. Tangent order: x m, y m, theta rad. Conventions: backend/geometry/README.md.
+/// A planar rigid motion. Tangent order: x m, y m, theta rad. Conventions:
+/// backend/geometry/README.md.
 class Se2 {
  public:
   using Tangent = Eigen::Vector3d;
@@ -30,7 +31,8 @@ class Se2 {
     return {R_inverse, -(R_inverse * translation_)};
   }
   friend Se2 operator*(const Se2& T_a_b, const Se2& T_b_c) {
-    return {T_a_b.rotation_ * T_b_c.rotation_, T_a_b.translation_ + T_a_b.rotation_ * T_b_c.translation_};
+    return {T_a_b.rotation_ * T_b_c.rotation_,
+            T_a_b.translation_ + T_a_b.rotation_ * T_b_c.translation_};
   }
   friend Eigen::Vector2d operator*(const Se2& T_a_b, const Eigen::Vector2d& p_b) {
     return T_a_b.rotation_ * p_b + T_a_b.translation_;

@@ -19,10 +19,12 @@ Eigen::Matrix3d so3_left_jacobian(const Eigen::Vector3d& w) {
     return Eigen::Matrix3d::Identity() + b * W + c * W * W;
   }
   const double sin_half = std::sin(0.5 * t);
-  return Eigen::Matrix3d::Identity() + 2.0 * sin_half * sin_half / t2 * W + (t - std::sin(t)) / (t2 * t) * W * W;
+  return Eigen::Matrix3d::Identity() + 2.0 * sin_half * sin_half / t2 * W +
+         (t - std::sin(t)) / (t2 * t) * W * W;
 }
 
-// The block that couples translation and rotation in the left Jacobian of SE(3): Barfoot 2014, eq. (7.86).
+// The block that couples translation and rotation in the left Jacobian of SE(3): Barfoot 2014, eq.
+// (7.86).
 Eigen::Matrix3d coupling_block(const Eigen::Vector3d& v, const Eigen::Vector3d& w) {
   const double t2 = w.squaredNorm();
   const double t = std::sqrt(t2);
@@ -52,7 +54,8 @@ Se3 Se3::exp(const Tangent& delta) {
 Se3::Tangent Se3::log() const {
   const Eigen::Vector3d w = rotation_.log();
   Tangent v;
-  v.head<3>() = So3::right_jacobian_inverse(-w) * translation_;  // left inverse at w = right inverse at -w
+  v.head<3>() =
+      So3::right_jacobian_inverse(-w) * translation_;  // left inverse at w = right inverse at -w
   v.tail<3>() = w;
   return v;
 }
@@ -69,7 +72,8 @@ Matrix6d Se3::right_jacobian_inverse(const Tangent& v) {
   const Eigen::Vector3d t = -v.head<3>(), w = -v.tail<3>();
   const Eigen::Matrix3d J_inverse = So3::right_jacobian_inverse(-w);
   Matrix6d result;
-  result << J_inverse, -J_inverse * coupling_block(t, w) * J_inverse, Eigen::Matrix3d::Zero(), J_inverse;
+  result << J_inverse, -J_inverse * coupling_block(t, w) * J_inverse, Eigen::Matrix3d::Zero(),
+      J_inverse;
   return result;
 }
 

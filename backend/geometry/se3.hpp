@@ -7,7 +7,8 @@
 
 namespace cairn {
 
-/// A rigid motion in space. Tangent order: translation m, rotation rad. Conventions: backend/geometry/README.md.
+/// A rigid motion in space. Tangent order: translation m, rotation rad. Conventions:
+/// backend/geometry/README.md.
 class Se3 {
  public:
   using Tangent = Eigen::Matrix<double, 6, 1>;
@@ -24,7 +25,8 @@ class Se3 {
     return {R_inverse, -(R_inverse * translation_)};
   }
   friend Se3 operator*(const Se3& T_a_b, const Se3& T_b_c) {
-    return {T_a_b.rotation_ * T_b_c.rotation_, T_a_b.translation_ + T_a_b.rotation_ * T_b_c.translation_};
+    return {T_a_b.rotation_ * T_b_c.rotation_,
+            T_a_b.translation_ + T_a_b.rotation_ * T_b_c.translation_};
   }
   friend Eigen::Vector3d operator*(const Se3& T_a_b, const Eigen::Vector3d& p_b) {
     return T_a_b.rotation_ * p_b + T_a_b.translation_;

@@ -9,13 +9,17 @@ namespace cairn {
 
 /// The same angle in (-pi, pi].
 inline double wrap_angle(double angle_rad) {
-  if (angle_rad > -std::numbers::pi && angle_rad <= std::numbers::pi) return angle_rad;
-  const double wrapped = std::remainder(angle_rad, 2.0 * std::numbers::pi);
-  return wrapped <= -std::numbers::pi ? std::numbers::pi : wrapped;
+  constexpr double kPi = std::numbers::pi;
+  if (angle_rad > -kPi && angle_rad <= kPi) return angle_rad;
+  // Sums of two or three wrapped angles need one turn only; the subtraction is exact there.
+  const double wrapped = std::abs(angle_rad) <= 3.0 * kPi
+                             ? angle_rad - std::copysign(2.0 * kPi, angle_rad)
+                             : std::remainder(angle_rad, 2.0 * kPi);
+  return wrapped <= -kPi ? kPi : wrapped;
 }
 
-/// A planar rotation. Keeps the angle (so that what was read is what is written) beside its cosine and sine
-/// (so that edges, which read each pose many times, need no trigonometry).
+/// A planar rotation. Keeps the angle (so that what was read is what is written) beside its cosine
+/// and sine (so that edges, which read each pose many times, need no trigonometry).
 class So2 {
  public:
   So2() = default;
@@ -31,8 +35,11 @@ class So2 {
     return R;
   }
 
-  [[nodiscard]] So2 inverse() const { return So2(angle_rad_ == std::numbers::pi ? angle_rad_ : -angle_rad_, cos_, -sin_); }
-  /// Exact to rounding; repeated products should go through So2(angle) now and then, as retraction does.
+  [[nodiscard]] So2 inverse() const {
+    return So2(angle_rad_ == std::numbers::pi ? angle_rad_ : -angle_rad_, cos_, -sin_);
+  }
+  /// Exact to rounding; repeated products should go through So2(angle) now and then, as retraction
+  /// does.
   friend So2 operator*(const So2& a, const So2& b) {
     return So2(wrap_angle(a.angle_rad_ + b.angle_rad_), a.cos_ * b.cos_ - a.sin_ * b.sin_,
                a.sin_ * b.cos_ + a.cos_ * b.sin_);

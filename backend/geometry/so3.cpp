@@ -28,7 +28,8 @@ So3::Tangent So3::log() const {
   const Eigen::Vector3d v = sign * quaternion_.vec();
   const double n = v.norm();
   // angle/sin(angle/2) = 2 atan2(n, w)/n; for small n: 2/w * (1 - n^2 / (3 w^2)).
-  const double scale = n < 1e-4 ? 2.0 / w * (1.0 - n * n / (3.0 * w * w)) : 2.0 * std::atan2(n, w) / n;
+  const double scale =
+      n < 1e-4 ? 2.0 / w * (1.0 - n * n / (3.0 * w * w)) : 2.0 * std::atan2(n, w) / n;
   return scale * v;
 }
 
@@ -44,7 +45,8 @@ Eigen::Matrix3d So3::right_jacobian_inverse(const Tangent& v) {
   const double angle2 = v.squaredNorm();
   const double angle = std::sqrt(angle2);
   const Eigen::Matrix3d V = skew(v);
-  // 1/t^2 - (1 + cos t)/(2 t sin t) = (1 - (t/2) cot(t/2)) / t^2; the series is used where it cancels.
+  // 1/t^2 - (1 + cos t)/(2 t sin t) = (1 - (t/2) cot(t/2)) / t^2; the series is used where it
+  // cancels.
   const double c = angle < 1e-2 ? 1.0 / 12.0 + angle2 / 720.0 + angle2 * angle2 / 30240.0
                                 : (1.0 - 0.5 * angle / std::tan(0.5 * angle)) / angle2;
   return Eigen::Matrix3d::Identity() + 0.5 * V + c * V * V;

@@ -13,8 +13,9 @@ inline Eigen::Matrix3d skew(const Eigen::Vector3d& v) {
   return m;
 }
 
-/// A rotation in space, as a unit quaternion. Keeps the quaternion it was given unless its norm is off by more
-/// than 1e-9 (files are read and written without change). Tangent: rotation vector, rad.
+/// A rotation in space, as a unit quaternion. Keeps the quaternion it was given unless its norm is
+/// off by more than 1e-9 (files are read and written without change). Tangent: rotation vector,
+/// rad.
 class So3 {
  public:
   using Tangent = Eigen::Vector3d;
@@ -25,8 +26,12 @@ class So3 {
   [[nodiscard]] const Eigen::Quaterniond& quaternion() const { return quaternion_; }
   [[nodiscard]] Eigen::Matrix3d matrix() const { return quaternion_.toRotationMatrix(); }
   [[nodiscard]] So3 inverse() const { return unchecked(quaternion_.conjugate()); }
-  friend So3 operator*(const So3& a, const So3& b) { return unchecked(a.quaternion_ * b.quaternion_); }
-  friend Eigen::Vector3d operator*(const So3& R, const Eigen::Vector3d& p) { return R.quaternion_ * p; }
+  friend So3 operator*(const So3& a, const So3& b) {
+    return unchecked(a.quaternion_ * b.quaternion_);
+  }
+  friend Eigen::Vector3d operator*(const So3& R, const Eigen::Vector3d& p) {
+    return R.quaternion_ * p;
+  }
 
   [[nodiscard]] static So3 exp(const Tangent& delta_rad);
   /// Rotation vector of length in [0, pi].

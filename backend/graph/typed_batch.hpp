@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <tuple>
 #include <utility>
@@ -23,11 +24,17 @@ struct Signature {
 ///   static constexpr int kDimension;                 // of the error
 ///   static constexpr bool kAbsolute;                 // see FactorBatch::is_absolute
 ///   Eigen::Matrix<double, kDimension, kDimension> information;
-///   Error error(const Values&..., ErrorChart, Jacobian*...) const;   // unwhitened e; each J_e_x may be null
+///   Error error(const Values&..., ErrorChart, Jacobian*...) const;   // unwhitened e; each J_e_x
+///   may be null
 /// Optional:
 ///   Matrix information_in(ErrorChart) const;         // where the chart rescales the information
 ///   RelativePose<Pose> relative_pose(a, b) const;
 ///   bool predict_last(const Values&..., Value& last) const;
+/// Optional, hand-written and fast, for the g2o chart only; equal to what error() leads to up to
+/// rounding:
+///   static void squared_errors(const TypedBatch<F>&, begin, end, const Values&, double* out);
+///   static RangeCost linearize(const TypedBatch<F>&, begin, end, const EvaluationContext&, const
+///   NormalEquationTargets&);
 template <class F>
 class TypedBatch final : public FactorBatch {
  public:
@@ -51,8 +58,11 @@ class TypedBatch final : public FactorBatch {
   [[nodiscard]] F& factor(std::size_t i) { return factors_[i]; }
   [[nodiscard]] std::span<const F> factors() const { return factors_; }
 
-  [[nodiscard]] std::unique_ptr<FactorBatch> clone() const override { return std::make_unique<TypedBatch>(*this); }
-  [[nodiscard]] std::unique_ptr<FactorBatch> select(std::span<const std::uint32_t> chosen) const override {
+  [[nodiscard]] std::unique_ptr<FactorBatch> clone() const override {
+    return std::make_unique<TypedBatch>(*this);
+  }
+  [[nodiscard]] std::unique_ptr<FactorBatch> select(
+      std::span<const std::uint32_t> chosen) const override {
     auto selection = std::make_unique<TypedBatch>();
     for (const std::uint32_t i : chosen) {
       std::array<std::uint32_t, kArity> indices;
@@ -62,32 +72,45 @@ class TypedBatch final : public FactorBatch {
     return selection;
   }
   [[nodiscard]] std::string_view type_name() const override { return F::kName; }
-  [[nodiscard]] std::span<const VariableType> signature() const override { return Variables::kArray; }
+  [[nodiscard]] std::span<const VariableType> signature() const override {
+    return Variables::kArray;
+  }
   [[nodiscard]] int residual_dimension() const override { return kDimension; }
   [[nodiscard]] bool is_absolute() const override { return F::kAbsolute; }
 
   [[nodiscard]] RangeCost evaluate_cost(std::size_t begin, std::size_t end,
                                         const EvaluationContext& context) const override {
     RangeCost sum;
-    for (std::size_t i = begin; i < end; ++i) {
-      const ErrorVector e = error(i, context);
-      const double s = e.dot(information(i, context.chart) * e);
-      sum.chi2 += s;
-      sum.cost += 0.5 * (context.robust(kinds_[i]) ? context.loss.evaluate(s).rho : s);
+    std::array<double, 64> chi2;
+    for (std::size_t i = begin; i < end;) {
+      const std::size_t stop = std::min(end, i + chi2.size());
+      evaluate_chi2(i, stop, context, chi2.data());
+      for (const double* s = chi2.data(); i < stop; ++i, ++s) {
+        sum.chi2 += *s;
+        sum.cost += 0.5 * (context.robust(kinds_[i]) ? context.loss.evaluate(*s).rho : *s);
+      }
     }
     return sum;
   }
 
   void evaluate_chi2(std::size_t begin, std::size_t end, const EvaluationContext& context,
-                     double* chi2) const override {
+                     double* out) const override {
+    if constexpr (requires { F::squared_errors(*this, begin, end, context.values, out); }) {
+      if (context.chart == ErrorChart::kG2o)
+        return F::squared_errors(*this, begin, end, context.values, out);
+    }
     for (std::size_t i = begin; i < end; ++i) {
       const ErrorVector e = error(i, context);
-      *chi2++ = e.dot(information(i, context.chart) * e);
+      *out++ = e.dot(information(i, context.chart) * e);
     }
   }
 
   RangeCost linearize(std::size_t begin, std::size_t end, const EvaluationContext& context,
                       const NormalEquationTargets& targets) const override {
+    if constexpr (requires { F::linearize(*this, begin, end, context, targets); }) {
+      if (context.chart == ErrorChart::kG2o)
+        return F::linearize(*this, begin, end, context, targets);
+    }
     RangeCost sum;
     for (std::size_t i = begin; i < end; ++i) {
       linearize_one(i, context, targets, sum, std::make_index_sequence<kArity>());
@@ -95,7 +118,8 @@ class TypedBatch final : public FactorBatch {
     return sum;
   }
 
-  [[nodiscard]] FactorEvaluation evaluate(std::size_t i, const EvaluationContext& context) const override {
+  [[nodiscard]] FactorEvaluation evaluate(std::size_t i,
+                                          const EvaluationContext& context) const override {
     return evaluate_one(i, context, std::make_index_sequence<kArity>());
   }
 
@@ -104,8 +128,12 @@ class TypedBatch final : public FactorBatch {
     evaluate_one_into(i, context, residual, jacobians, std::make_index_sequence<kArity>());
   }
 
-  [[nodiscard]] std::vector<RelativePose<Se2>> relative_poses2() const override { return relative_poses<Se2>(); }
-  [[nodiscard]] std::vector<RelativePose<Se3>> relative_poses3() const override { return relative_poses<Se3>(); }
+  [[nodiscard]] std::vector<RelativePose<Se2>> relative_poses2() const override {
+    return relative_poses<Se2>();
+  }
+  [[nodiscard]] std::vector<RelativePose<Se3>> relative_poses3() const override {
+    return relative_poses<Se3>();
+  }
   bool predict_last(std::size_t i, Values& values) const override {
     return predict_last_one(i, values, std::make_index_sequence<kArity - 1>());
   }
@@ -120,7 +148,8 @@ class TypedBatch final : public FactorBatch {
 
   template <std::size_t k>
   const Value<k>& value(std::size_t i, const Values& values) const {
-    return (values.*VariableTraits<Variables::kArray[k]>::kArray)[variable_indices_[i * kArity + k]];
+    return (values.*
+            VariableTraits<Variables::kArray[k]>::kArray)[variable_indices_[i * kArity + k]];
   }
 
   [[nodiscard]] InformationMatrix information(std::size_t i, ErrorChart chart) const {
@@ -149,8 +178,8 @@ class TypedBatch final : public FactorBatch {
   }
 
   template <std::size_t... k>
-  void evaluate_one_into(std::size_t i, const EvaluationContext& context, double* residual, double* const* jacobians,
-                         std::index_sequence<k...>) const {
+  void evaluate_one_into(std::size_t i, const EvaluationContext& context, double* residual,
+                         double* const* jacobians, std::index_sequence<k...>) const {
     const InformationMatrix U = sqrt_information<kDimension>(information(i, context.chart));
     Eigen::Map<ErrorVector> r(residual);
     if (!jacobians) {
@@ -158,7 +187,8 @@ class TypedBatch final : public FactorBatch {
       return;
     }
     std::tuple<Jacobian<k>...> J;
-    r.noalias() = U.lazyProduct(factors_[i].error(value<k>(i, context.values)..., context.chart, &std::get<k>(J)...));
+    r.noalias() = U.lazyProduct(
+        factors_[i].error(value<k>(i, context.values)..., context.chart, &std::get<k>(J)...));
     const auto whiten = [&](double* out, const auto& J_e_x) {
       using Matrix = std::remove_cvref_t<decltype(J_e_x)>;
       if (out) Eigen::Map<Matrix>(out).noalias() = U.lazyProduct(J_e_x);
@@ -168,8 +198,9 @@ class TypedBatch final : public FactorBatch {
 
   // H_kl = J_k^T (w Omega) J_l and g_k = J_k^T (w Omega) e, written to the factor's own places.
   template <std::size_t... k>
-  void linearize_one(std::size_t i, const EvaluationContext& context, const NormalEquationTargets& targets,
-                     RangeCost& sum, std::index_sequence<k...>) const {
+  void linearize_one(std::size_t i, const EvaluationContext& context,
+                     const NormalEquationTargets& targets, RangeCost& sum,
+                     std::index_sequence<k...>) const {
     std::tuple<Jacobian<k>...> J;
     const ErrorVector e =
         factors_[i].error(value<k>(i, context.values)..., context.chart, &std::get<k>(J)...);
@@ -199,13 +230,15 @@ class TypedBatch final : public FactorBatch {
     constexpr int d = kTangent<k>;
     const std::size_t offset = targets.diagonal_offset[i * kArity + k];
     if (offset == NormalEquationTargets::kSkip) return;
-    Eigen::Map<Eigen::Matrix<double, d, d>>(targets.diagonal + offset).noalias() = J.transpose().lazyProduct(WJ);
+    Eigen::Map<Eigen::Matrix<double, d, d>>(targets.diagonal + offset).noalias() =
+        J.transpose().lazyProduct(WJ);
     Eigen::Map<Eigen::Matrix<double, d, 1>>(targets.diagonal + offset + d * d).noalias() =
         WJ.transpose().lazyProduct(e);
   }
 
   template <std::size_t k, std::size_t l, class Tuple>
-  void write_off_diagonal(const NormalEquationTargets& targets, std::size_t i, const Tuple& J, const Tuple& WJ) const {
+  void write_off_diagonal(const NormalEquationTargets& targets, std::size_t i, const Tuple& J,
+                          const Tuple& WJ) const {
     constexpr std::size_t kPairs = kArity * (kArity - 1) / 2;
     const auto& target = targets.off_diagonal[i * kPairs + k + l - 1];
     if (target.offset == NormalEquationTargets::kSkip) return;
@@ -230,7 +263,8 @@ class TypedBatch final : public FactorBatch {
                   }) {
       poses.reserve(size());
       for (std::size_t i = 0; i < size(); ++i) {
-        poses.push_back(factors_[i].relative_pose(variable_indices_[2 * i], variable_indices_[2 * i + 1]));
+        poses.push_back(
+            factors_[i].relative_pose(variable_indices_[2 * i], variable_indices_[2 * i + 1]));
       }
     }
     return poses;
@@ -239,7 +273,9 @@ class TypedBatch final : public FactorBatch {
   template <std::size_t... k>
   bool predict_last_one(std::size_t i, Values& values, std::index_sequence<k...>) const {
     constexpr std::size_t kLast = kArity - 1;
-    auto& last = (values.*VariableTraits<Variables::kArray[kLast]>::kArray)[variable_indices_[i * kArity + kLast]];
+    auto& last =
+        (values.*
+         VariableTraits<Variables::kArray[kLast]>::kArray)[variable_indices_[i * kArity + kLast]];
     if constexpr (requires(const F& f) { f.predict_last(value<k>(i, values)..., last); }) {
       return factors_[i].predict_last(value<k>(i, values)..., last);
     } else {

@@ -20,8 +20,7 @@ namespace {
 constexpr int kMaxArity = 3;
 constexpr int kMaxDimension = 6;
 
-/// Numbers in Ceres' copy of a variable: (x, y, theta), (x, y, z, qx, qy, qz, qw), and points as
-/// they are.
+/// Numbers in Ceres' copy of a variable: (x, y, theta), (x, y, z, qx, qy, qz, qw), or the point.
 constexpr int ambient_dimension(VariableType type) {
   constexpr int kDimensions[] = {3, 7, 2, 3};
   return kDimensions[static_cast<int>(type)];
@@ -68,8 +67,7 @@ class PoseManifold final : public ceres::Manifold {
   }
 };
 
-/// Our loss on s = |r|^2. The second derivative of every loss of ours is <= 0, where Ceres ignores
-/// it.
+/// Our loss on s = |r|^2. Ceres ignores second derivatives that are <= 0, as all of ours are.
 class Loss final : public ceres::LossFunction {
  public:
   explicit Loss(RobustLoss loss) : loss_(loss) {}
@@ -84,8 +82,7 @@ class Loss final : public ceres::LossFunction {
   RobustLoss loss_;
 };
 
-/// All variables as Ceres sees them. Before Ceres evaluates factors it copies its state here, and
-/// we to `values`, so that factors read poses, not numbers.
+/// All variables as Ceres sees them, and their copy in `values`, where factors read poses.
 class State final : public ceres::EvaluationCallback {
  public:
   Values values;
