@@ -113,8 +113,11 @@ Result<void> draw_graphs(std::span<const GraphView> views, const std::string& pa
   draw_heading(*canvas, options.title, describe(*views.back().graph, scenes->back()));
   for (std::size_t i = 0; i < windows.size(); ++i) {
     const Rect& rect = windows[i].rect;
-    canvas->text({rect.x, rect.y - 12}, views[i].caption, {.size = 17});
-    draw_scene(*canvas, windows[i], (*scenes)[i], *true_paths, residuals);
+    const std::size_t one_of =
+        draw_scene(*canvas, windows[i], (*scenes)[i], *true_paths, residuals);
+    const std::string sample =
+        one_of == 1 ? "" : " (1 of " + std::to_string(one_of) + " loops drawn)";
+    canvas->text({rect.x, rect.y - 12}, views[i].caption + sample, {.size = 17});
     canvas->frame(rect, {.color = kHairline});
     draw_scale_bar(*canvas, windows[i]);
     draw_axes(*canvas, windows[i]);

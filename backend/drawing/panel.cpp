@@ -156,20 +156,36 @@ void draw_starts(Canvas& canvas, const Window& window, const Scene& scene) {
   }
 }
 
+// Keeps every n-th line where all of them would cover the window many times over; gives n.
+std::size_t sample_by_ink(std::vector<Stroke>& strokes, const Window& window, double line_width) {
+  constexpr double kMostCoats = 6.0;
+  double ink = 0.0;
+  for (const Stroke& stroke : strokes) ink += (stroke.line.b - stroke.line.a).norm() * line_width;
+  const double coats = ink / (window.rect.width * window.rect.height);
+  const auto every = static_cast<std::size_t>(std::ceil(std::max(coats / kMostCoats, 1.0)));
+  std::vector<Stroke> kept;
+  for (std::size_t i = 0; i < strokes.size(); i += every) kept.push_back(strokes[i]);
+  strokes = std::move(kept);
+  return every;
+}
+
 }  // namespace
 
-void draw_scene(Canvas& canvas, const Window& window, const Scene& scene,
-                const std::vector<Path>& truth, const ColorScale& residuals) {
+std::size_t draw_scene(Canvas& canvas, const Window& window, const Scene& scene,
+                       const std::vector<Path>& truth, const ColorScale& residuals) {
+  const Pens pens = choose_pens(scene);
   canvas.clip(window.rect);
   draw_truth(canvas, window, truth);
   draw_landmarks(canvas, window, scene.landmarks);
   std::vector<Stroke> strokes = loop_strokes(window, scene, residuals, canvas.segment_budget());
+  const std::size_t one_of = sample_by_ink(strokes, window, pens.loop_width);
   const std::vector<Stroke> paths = path_strokes(window, scene.paths, canvas.segment_budget());
   strokes.insert(strokes.end(), paths.begin(), paths.end());
-  draw_strokes(canvas, std::move(strokes), choose_pens(scene));
+  draw_strokes(canvas, std::move(strokes), pens);
   draw_poses(canvas, window, scene);
   draw_starts(canvas, window, scene);
   canvas.unclip();
+  return one_of;
 }
 
 }  // namespace cairn::drawing

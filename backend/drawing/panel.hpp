@@ -31,10 +31,11 @@ struct Window {
 Window fit_window(const std::vector<Eigen::Vector3d>& points, const Projection& projection,
                   const Rect& rect);
 
-/// Draws a scene: truth dashed underneath, then from far to near landmarks, loops (calm ones first)
-/// and paths.
-void draw_scene(Canvas& canvas, const Window& window, const Scene& scene,
-                const std::vector<Path>& truth, const ColorScale& residuals);
+/// Draws a scene: truth underneath, then from far to near landmarks, loops (calm ones first) and
+/// paths. Where all loops together would hide everything, one of so many is drawn: the number
+/// given.
+std::size_t draw_scene(Canvas& canvas, const Window& window, const Scene& scene,
+                       const std::vector<Path>& truth, const ColorScale& residuals);
 
 /// A bar of round length in the window's lower left corner, and the axes where the view is oblique.
 void draw_scale_bar(Canvas& canvas, const Window& window);

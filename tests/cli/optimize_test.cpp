@@ -26,6 +26,14 @@ EDGE_SE2 2 3 1 0 1.5707963 100 0 0 100 0 100
 EDGE_SE2 3 0 1 0.1 1.5707963 100 0 0 100 0 100
 )";
 constexpr const char* kBroken = "VERTEX_SE2 0 0 0 0\nEDGE_SE2 0 1 1 nonsense 0 1 0 0 1 0 1\n";
+// A landmark of which only the distance to one pose is known.
+constexpr const char* kUndetermined = R"(VERTEX_SE2 0 0 0 0
+VERTEX_SE2 1 1 0 0
+VERTEX_XY 2 2 0.5
+EDGE_SE2 0 1 1 0 0 1 0 0 1 0 1
+EDGE_CAIRN_RANGE 1 2 1 1
+)";
+
 // A walk in circles that recognizes the place of one lap ago at every step.
 std::string spiral(int poses) {
   constexpr int kLap = 40;
@@ -173,6 +181,19 @@ TEST_F(Optimize, StrictRefusesUnknownTags) {
   EXPECT_EQ(lenient.exit_code, 0) << lenient.err;
   EXPECT_THAT(lenient.err, HasSubstr("unknown.g2o:9:"));
   EXPECT_EQ(run_cairn({"optimize", unknown, "--strict"}).exit_code, 3);
+}
+
+TEST_F(Optimize, NamesUndeterminedVariablesAndStrictRefusesThem) {
+  const std::string free = folder_.write("free.g2o", kUndetermined);
+  const auto partial = run_cairn({"optimize", free, "--json", file("r.json")});
+  EXPECT_EQ(partial.exit_code, 0) << partial.err;
+  EXPECT_THAT(partial.err, HasSubstr("not determined"));
+  const auto report = nlohmann::json::parse(read_file(file("r.json")));
+  EXPECT_EQ(report["status"], "partially_constrained");
+  ASSERT_EQ(report["under_constrained"].size(), 1u);
+  EXPECT_EQ(report["under_constrained"][0]["id"], 2);
+  EXPECT_EQ(report["under_constrained"][0]["free_directions"][0].size(), 2u);
+  EXPECT_EQ(run_cairn({"optimize", free, "--strict"}).exit_code, 4);
 }
 
 TEST_F(Optimize, MergesSeveralInputs) {
