@@ -1,25 +1,25 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// How fast are graph files read? Usage: read_speed [FILE...]; without files, a generated planar
-// graph of a million poses. Reads each file from the page cache, one thread, and prints megabytes
-// per second.
-#include <time.h>
-
-#include <algorithm>
+// How fast are graph files read, from the page cache and on one thread? Usage: bench_read_speed
+// [FILE...]; without files some public graphs and a generated planar one of a million poses.
 #include <charconv>
-#include <cstdio>
+#include <cmath>
 #include <cstdlib>
+#include <filesystem>
 #include <random>
 #include <string>
 #include <vector>
 
+#include "benchmarks/support/measure.hpp"
+#include "benchmarks/support/table.hpp"
 #include "cairn/core/output_file.hpp"
 #include "cairn/io/graph_file.hpp"
 
+namespace cairn::bench {
 namespace {
 
-constexpr int kRuns = 9;
+constexpr int kRounds = 9;
 
-// Poses on a spiral with two edges each, all digits of a double, as our own writer leaves them.
+// Poses on a line with two edges each, all digits of a double, as our own writer leaves them.
 std::string generate(int poses) {
   std::mt19937_64 random(1);
   std::normal_distribution<double> noise(0.0, 0.02);
@@ -44,46 +44,48 @@ std::string generate(int poses) {
   return text;
 }
 
-// Processor time of this process: other programs on the machine do not count.
-double processor_seconds() {
-  timespec now{};
-  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
-  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
-}
-
 double seconds_to_read(const std::string& path) {
-  const double start = processor_seconds();
-  const auto document = cairn::read_graph(path);
-  const double seconds = processor_seconds() - start;
-  if (!document) {
-    std::fprintf(stderr, "%s\n", document.error().to_string().c_str());
-    std::exit(3);
-  }
-  return seconds;
+  const Stopwatch watch;
+  const Result<GraphDocument> document = read_graph(path);
+  return document ? watch.seconds() : std::nan("");
 }
 
-void measure(const std::string& path) {
+void measure(const std::string& path, const Table& table) {
   const auto bytes = static_cast<double>(std::filesystem::file_size(path));
   std::vector<double> seconds;
-  for (int i = 0; i < kRuns; ++i) seconds.push_back(seconds_to_read(path));
-  std::sort(seconds.begin(), seconds.end());
-  const double median = seconds[seconds.size() / 2];
-  std::printf("%-60s %9.1f MB  median %8.2f ms (%6.1f MB/s)  best %8.2f ms (%6.1f MB/s)\n",
-              path.c_str(), bytes / 1e6, 1e3 * median, bytes / 1e6 / median, 1e3 * seconds.front(),
-              bytes / 1e6 / seconds.front());
+  for (int round = 0; round < kRounds; ++round) seconds.push_back(seconds_to_read(path));
+  const double middle = median(seconds);
+  table.row({std::filesystem::path(path).filename().string(), number_text(bytes / 1e6, 1) + " MB",
+             time_text(middle), number_text(bytes / 1e6 / middle, 0) + " MB/s"});
+}
+
+std::vector<std::string> public_graphs() {
+  const char* root = std::getenv("CAIRN_DATASETS");
+  std::vector<std::string> paths;
+  for (const char* name : {"pose2/intel.g2o", "pose2/city10000.g2o", "pose3/sphere2500.g2o",
+                           "landmarks/victoriaPark.txt", "toro/sphere_smallnoise.graph"}) {
+    const std::string path = std::string(root ? root : "../shared/datasets") + "/graphs/" + name;
+    if (std::filesystem::exists(path)) paths.push_back(path);
+  }
+  return paths;
+}
+
+int run(std::vector<std::string> paths) {
+  const Table table({"graph", "size", "time (median of 9)", "speed"});
+  if (!paths.empty()) {
+    for (const std::string& path : paths) measure(path, table);
+    return 0;
+  }
+  for (const std::string& path : public_graphs()) measure(path, table);
+  const std::string large =
+      (std::filesystem::temp_directory_path() / "cairn_million_poses.g2o").string();
+  if (!write_file(large, generate(1'000'000))) return 1;
+  measure(large, table);
+  std::filesystem::remove(large);
+  return 0;
 }
 
 }  // namespace
+}  // namespace cairn::bench
 
-int main(int argc, char** argv) {
-  std::vector<std::string> paths(argv + 1, argv + argc);
-  std::string generated;
-  if (paths.empty()) {
-    generated = (std::filesystem::temp_directory_path() / "cairn_read_speed.g2o").string();
-    if (!cairn::write_file(generated, generate(1'000'000))) return 1;
-    paths.push_back(generated);
-  }
-  for (const std::string& path : paths) measure(path);
-  if (!generated.empty()) std::filesystem::remove(generated);
-  return 0;
-}
+int main(int argc, char** argv) { return cairn::bench::run({argv + 1, argv + argc}); }
