@@ -11,8 +11,8 @@
 namespace cairn {
 namespace {
 
-// From this many block operations on, a second ordering costs less than it can save.
-constexpr double kTryNestedDissection = 3e6;
+// Block operations per block from which on a second ordering costs less than it can save.
+constexpr double kTryNestedDissection = 1000.0;
 
 std::vector<int> inverse_permutation(std::span<const int> order) {
   std::vector<int> position(order.size());
@@ -140,7 +140,7 @@ Elimination analyze_elimination(const BlockGraph& graph, std::span<const int> or
 
 Elimination find_elimination(const BlockGraph& graph) {
   Elimination best = analyze_elimination(graph, amd_order_of(graph), "amd");
-  if (best.block_operations() < kTryNestedDissection) return best;
+  if (best.block_operations() < kTryNestedDissection * graph.size()) return best;
   const std::vector<int> order = metis_order_of(graph);
   if (order.empty()) return best;
   Elimination nested = analyze_elimination(graph, order, "metis");

@@ -15,7 +15,7 @@ namespace {
 template <class Pose>
 class EdgeLeastSquares {
  public:
-  explicit EdgeLeastSquares(const RelativePoseGraph<Pose>& graph)
+  EdgeLeastSquares(const RelativePoseGraph<Pose>& graph, const Elimination& known)
       : graph_(graph), block_of_(graph.held.size(), -1) {
     int blocks = 0;
     for (std::size_t pose = 0; pose < graph.held.size(); ++pose) {
@@ -27,7 +27,9 @@ class EdgeLeastSquares {
       if (a >= 0 && b >= 0) pairs.emplace_back(a, b);
     }
     blocks_ = BlockGraph::from_pairs(blocks, pairs);
-    elimination_ = find_elimination(blocks_);
+    elimination_ = known.position.size() == static_cast<std::size_t>(blocks)
+                       ? known
+                       : find_elimination(blocks_);
   }
 
   // x holds d rows per pose; the rows of held poses are given, the others are solved for.
@@ -173,14 +175,15 @@ std::vector<std::uint32_t> roots_to_hold(const RelativePoseGraph<Pose>& graph) {
 }  // namespace
 
 template <class Pose>
-bool chordal_poses(const RelativePoseGraph<Pose>& source, std::vector<Pose>& poses) {
+bool chordal_poses(const RelativePoseGraph<Pose>& source, const Elimination& known,
+                   std::vector<Pose>& poses) {
   if (poses.empty()) return true;
   RelativePoseGraph<Pose> graph = source;
   for (const std::uint32_t root : roots_to_hold(source)) graph.held[root] = true;
   constexpr int d = std::is_same_v<Pose, Se2> ? 2 : 3;
   using Rotation = std::remove_cvref_t<decltype(poses[0].rotation())>;
   using Translation = Eigen::Matrix<double, d, 1>;
-  const EdgeLeastSquares<Pose> system(graph);
+  const EdgeLeastSquares<Pose> system(graph, known);
   std::vector<Rotation> rotations;
   rotations.reserve(poses.size());
   Eigen::MatrixXd positions(poses.size(), d);
@@ -205,7 +208,7 @@ bool chordal_poses(const RelativePoseGraph<Pose>& source, std::vector<Pose>& pos
   return true;
 }
 
-template bool chordal_poses(const RelativePoseGraph<Se2>&, std::vector<Se2>&);
-template bool chordal_poses(const RelativePoseGraph<Se3>&, std::vector<Se3>&);
+template bool chordal_poses(const RelativePoseGraph<Se2>&, const Elimination&, std::vector<Se2>&);
+template bool chordal_poses(const RelativePoseGraph<Se3>&, const Elimination&, std::vector<Se3>&);
 
 }  // namespace cairn

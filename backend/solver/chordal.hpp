@@ -11,7 +11,10 @@ namespace cairn {
 /// translations by linear least squares. No start is needed; held poses keep their value, and a
 /// component without one is tied at its smallest id. False (and `poses` unchanged) when a system is
 /// singular.
+/// `known` is an elimination of the unknown poses in index order, used where it fits (that of the
+/// normal equations does when there are no landmarks); otherwise one is found.
 template <class Pose>
-bool chordal_poses(const RelativePoseGraph<Pose>& graph, std::vector<Pose>& poses);
+bool chordal_poses(const RelativePoseGraph<Pose>& graph, const Elimination& known,
+                   std::vector<Pose>& poses);
 
 }  // namespace cairn

@@ -14,8 +14,14 @@ namespace {
 
 class Initializer {
  public:
-  Initializer(const Problem& problem, const SolveOptions& options, Values& values)
-      : problem_(problem), options_(options), values_(values), poses2_(problem), poses3_(problem) {}
+  Initializer(const Problem& problem, const Elimination& elimination, const SolveOptions& options,
+              Values& values)
+      : problem_(problem),
+        elimination_(elimination),
+        options_(options),
+        values_(values),
+        poses2_(problem),
+        poses3_(problem) {}
 
   void run(SolveSummary& summary) {
     if (options_.init != InitMethod::kAuto) {
@@ -72,7 +78,7 @@ class Initializer {
   template <class Pose>
   bool move_chordally(const RelativePoseGraph<Pose>& graph, std::vector<Pose>& poses,
                       bool poses_only, Values& start) const {
-    return poses_only ? chordal_poses(graph, poses)
+    return poses_only ? chordal_poses(graph, elimination_, poses)
                       : chordal_poses_and_landmarks(problem_, graph, start);
   }
 
@@ -103,6 +109,7 @@ class Initializer {
   }
 
   const Problem& problem_;
+  const Elimination& elimination_;
   const SolveOptions& options_;
   Values& values_;
   RelativePoseGraph<Se2> poses2_;
@@ -111,10 +118,10 @@ class Initializer {
 
 }  // namespace
 
-void initialize(const Problem& problem, const SolveOptions& options, Values& values,
-                SolveSummary& summary) {
+void initialize(const Problem& problem, const Elimination& elimination, const SolveOptions& options,
+                Values& values, SolveSummary& summary) {
   if (options.init == InitMethod::kFile) return;
-  Initializer(problem, options, values).run(summary);
+  Initializer(problem, elimination, options, values).run(summary);
 }
 
 }  // namespace cairn

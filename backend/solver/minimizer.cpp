@@ -3,6 +3,7 @@
 
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "cairn/core/stopwatch.hpp"
 #include "cairn/solver/rank.hpp"
@@ -11,7 +12,7 @@
 namespace cairn {
 namespace {
 
-// A step that promises less than this part of the cost is the last one.
+// A step that promises less than this part of the cost is the last one; so is one that leaves less.
 constexpr double kSmallDecrease = 1e-9;
 // m, rad: below what any sensor or controller can tell.
 constexpr double kSmallStep = 1e-11;
@@ -93,13 +94,24 @@ class Minimizer {
       report.accepted = true;
       accept(trial_cost, gain / predicted_decrease);
     }
-    if (last) return StopReason::kSmallDecrease;
+    if (last || (report.accepted && little_remains(step, gain))) return StopReason::kSmallDecrease;
     if (small_step) return StopReason::kSmallStep;
     if (report.accepted)
       return is_stationary() ? std::optional(StopReason::kGradient) : std::nullopt;
     // What cannot be improved by a step that promised next to nothing is rounding.
     if (step.predicted_decrease <= kSmallDecrease * cost_.cost) return StopReason::kSmallDecrease;
     return reject();
+  }
+
+  // Near the minimum each Newton step leaves a small, steady part of what it promised. Where the
+  // model held and that part is small, what remains is known without another factorization.
+  bool little_remains(const Step& step, double gain) {
+    const double before = std::exchange(previous_decrease_, step.predicted_decrease);
+    const bool model_held =
+        std::abs(gain - step.predicted_decrease) <= 0.1 * step.predicted_decrease;
+    if (!step.newton || !model_held || !(before > 0.0)) return false;
+    const double left = step.predicted_decrease / before;  // of the decrease, after each step
+    return left < 0.1 && left * step.predicted_decrease <= kSmallDecrease * cost_.cost;
   }
 
   // Shortens a step that went too far: trial and its cost become those of the first length that
@@ -203,6 +215,7 @@ class Minimizer {
   bool linearized_at_current_ = true;
   bool linearized_at_trial_ = false;
   int increases_ = 0;
+  double previous_decrease_ = 0.0;  // predicted by the last accepted step
   bool check_rank_;
   MinimizerResult result_;
 };

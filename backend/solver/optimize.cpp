@@ -78,7 +78,8 @@ class Optimization {
     summary_.components = problem_.components;
     summary_.gauge = problem_.gauge;
     summary_.degrees_of_freedom = degrees_of_freedom(problem_);
-    initialize(problem_, options_, graph_.values(), summary_);
+    layout_.emplace(problem_);
+    initialize(problem_, layout_->elimination, options_, graph_.values(), summary_);
     summary_.setup_s = watch_.seconds();
 #ifdef CAIRN_WITH_CERES
     if (options_.linear == LinearBackend::kCeres) {
@@ -97,17 +98,16 @@ class Optimization {
   // False when the matrix looks singular and nothing was moved.
   bool solve(bool check_rank) {
     const Stopwatch setup_watch;
-    const UnknownLayout layout(problem_);
-    NormalEquations equations(problem_, layout);
+    NormalEquations equations(problem_, *layout_);
     const std::unique_ptr<LinearSolver> linear = make_linear_solver(options_.linear);
-    linear->analyze(equations.pattern(), layout.elimination);
+    linear->analyze(equations.pattern(), layout_->elimination);
     const RangeCost initial = equations.linearize(context(), pool_);
     summary_.setup_s += setup_watch.seconds();
     const MinimizerResult result =
         minimize(equations, *linear, options_, pool_, graph_.values(), initial, check_rank);
     if (result.looks_singular) return false;
     report(result, summary_);
-    summary_.ordering = layout.elimination.method;
+    summary_.ordering = layout_->elimination.method;
     summary_.factor_nonzeros = linear->factor_nonzeros();
     return true;
   }
@@ -117,8 +117,7 @@ class Optimization {
   bool set_aside_free_variables() {
     bool any = false;
     while (true) {
-      const UnknownLayout layout(problem_);
-      NormalEquations equations(problem_, layout);
+      NormalEquations equations(problem_, *layout_);
       equations.linearize(context(), pool_);
       const RankReport free = find_free_directions(equations);
       if (free.full_rank()) return any;
@@ -129,6 +128,7 @@ class Optimization {
         name_free_variable(slot, directions);
       }
       problem_.drop(dropped);
+      layout_.emplace(problem_);
       for (const auto& [slot, directions] : free.anchors) {
         problem_.anchors.push_back({slot, directions});
         name_free_variable(slot, directions);
@@ -163,6 +163,7 @@ class Optimization {
   Graph& graph_;
   const SolveOptions& options_;
   Problem problem_;
+  std::optional<UnknownLayout> layout_;
   ThreadPool pool_;
   SolveSummary summary_;
 };
