@@ -47,7 +47,8 @@ ColorScale choose_color_scale(std::vector<double> values) {
   const double median = quantile(values, 0.5);
   const double largest = *std::max_element(values.begin(), values.end());
   const double top = std::max(quantile(values, kLargestShown), kAlmostZero);
-  ColorScale scale{.low = 0.0, .high = round_up_125(top)};
+  const double step = round_down_125(top / 4);
+  ColorScale scale{.low = 0.0, .high = step * std::ceil(top / step * (1 - 1e-9))};
   scale.clipped = largest > scale.high;
   if (top > kDwarfed * median) {
     scale.logarithmic = true;

@@ -68,8 +68,11 @@ void draw_level(Canvas& canvas, const Axes& axes, double value, const std::strin
   const Point left = axes.to_page(axes.path_low_m, value);
   const Point right(axes.rect.x + axes.rect.width, left.y());
   canvas.polyline(std::vector<Point>{left, right}, {.color = kInk, .width = 1.2, .dash = 5.0});
-  canvas.text(right - Point(0, 6), name + " " + format_number(value, 4),
-              {.size = 14, .align = Align::kRight});
+  const std::string label = name + " " + format_number(value, 4);
+  const TextStyle style{.size = 14, .align = Align::kRight};
+  const double width = canvas.text_width(label, style) + 8;
+  canvas.rectangle({right.x() - width, right.y() - 21, width, 18}, with_alpha(kPaper, 0.85));
+  canvas.text(right - Point(4, 7), label, style);
 }
 
 }  // namespace
