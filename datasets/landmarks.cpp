@@ -120,9 +120,8 @@ class LandmarkWorld {
   SensorModels& sensors() { return sensors_; }
 
  private:
-  template <class Observe>
-  SimulatedGraph record(Observe&& observe) {
-    return Recorder(walk_, sigmas_, options_).record(observe);
+  SimulatedGraph record(const typename Recorder<Pose>::Observe& observe) {
+    return Recorder<Pose>(walk_, sigmas_, options_).record(observe);
   }
 
   [[nodiscard]] VariableId landmark_id(std::uint32_t number) const {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cmath>
+#include <functional>
 #include <numbers>
 #include <utility>
 
@@ -26,9 +27,6 @@ struct WalkSigmas {
 
 /// Exactly `count` of `total`, each choice equally likely.
 std::vector<bool> choose(std::size_t count, std::size_t total, Random& random);
-/// The earlier pose that a false closure takes for loop.from: far from both in time where possible.
-std::uint32_t mistaken_pose(const LoopPair& loop, Random& random);
-
 /// Turns what the robot did into what it measured: poses by dead reckoning, odometry, loop
 /// closures, some of them false.
 template <class Pose>
@@ -45,16 +43,17 @@ class Recorder {
     is_false_ = choose(mistakes, walk_.loops.size(), mistakes_);
   }
 
-  /// Calls `observe(i, graph)` when the robot stands at pose i, to add what other sensors see; they
-  /// must keep `truth` in step when they add variables.
-  template <class Observe>
-  SimulatedGraph record(Observe&& observe) {
+  /// Called when the robot stands at pose i, to add what other sensors see; must keep `truth` in
+  /// step when it adds variables.
+  using Observe = std::function<void(std::uint32_t i, SimulatedGraph& out)>;
+
+  SimulatedGraph record(const Observe& observe = {}) {
     out_.graph.reserve(walk_.poses.size());
     std::size_t loop = 0;
     for (std::uint32_t i = 0; i < walk_.poses.size(); ++i) {
       add_next_pose(i);
       for (; loop < walk_.loops.size() && walk_.loops[loop].to == i; ++loop) add_loop(loop);
-      observe(i, out_);
+      if (observe) observe(i, out_);
     }
     if constexpr (std::is_same_v<Pose, Se2>) {
       out_.truth.pose2 = std::move(walk_.poses);
@@ -62,9 +61,6 @@ class Recorder {
       out_.truth.pose3 = std::move(walk_.poses);
     }
     return std::move(out_);
-  }
-  SimulatedGraph record() {
-    return record([](std::uint32_t, SimulatedGraph&) {});
   }
 
  private:
@@ -92,9 +88,22 @@ class Recorder {
     const double axis_rad = noise_.uniform(0.0, std::numbers::pi);
     const auto closure =
         draw_between(T_a_b, pose_information(sigmas_.closure, T_a_b, axis_rad), exact_, noise_);
-    const std::uint32_t from = is_false_[index] ? mistaken_pose(loop, mistakes_) : loop.from;
+    const std::uint32_t from = is_false_[index] ? mistaken_pose(loop) : loop.from;
     const FactorRef added = add_between(closure, from, loop.to, FactorKind::kLoop);
     if (is_false_[index]) out_.outliers.push_back(added);
+  }
+
+  // The earlier pose that a false closure takes for loop.from: at another place where there is one.
+  std::uint32_t mistaken_pose(const LoopPair& loop) {
+    constexpr double kElsewhereM = 5.0;
+    const auto distance_m = [&](std::uint32_t other) {
+      return (walk_.poses[other].translation() - walk_.poses[loop.from].translation()).norm();
+    };
+    for (int attempt = 0;; ++attempt) {
+      const auto other = static_cast<std::uint32_t>(mistakes_.index(loop.to - 1));
+      const bool elsewhere = distance_m(other) >= kElsewhereM;
+      if (other != loop.from && (elsewhere || attempt >= 100)) return other;
+    }
   }
 
   void add_pose(std::uint32_t i) {

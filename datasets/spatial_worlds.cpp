@@ -82,23 +82,30 @@ Walk<Se3> walk_torus(std::size_t poses) {
   return walk;
 }
 
-// A lap is 100 stations of 1 m on a rounded course; its second half climbs one floor. Halfway
-// through the poses the car turns and comes down in the other lane, 3 m further out, seeing the
-// stations it passed on its way up.
+// Stations are metres of an oval course of 100 m. On each floor the car takes two laps, seeing on
+// the second what it saw on the first, then half a lap of ramp. At the top it turns and comes all
+// the way down in the other lane, 3 m further out, seeing the stations of its way up.
 Walk<Se3> walk_garage(std::size_t poses) {
-  constexpr double kLapM = 100.0, kFloorM = 3.0, kLaneM = 3.0;
+  constexpr std::size_t kLap = 100, kFlat = 2 * kLap, kStorey = kFlat + kLap / 2;
+  constexpr double kFloorM = 3.0, kLaneM = 3.0;
   const double top = 0.5 * static_cast<double>(poses - 1);
-  const auto station = [&](double i) { return i <= top ? i : 2.0 * top - i; };
   const auto position = [&](double i) -> Vector3d {
-    const double lap = station(i) / kLapM, angle = kTau * lap;
-    const double climb = std::floor(lap) + std::max(0.0, 2.0 * (lap - std::floor(lap)) - 1.0);
+    const double station = i <= top ? i : 2.0 * top - i;
+    const double angle = kTau * station / kLap;
+    const double floor = std::floor(station / kStorey);
+    const double ramp = std::max(0.0, (station - floor * kStorey - kFlat) / (kStorey - kFlat));
     const double lane = kLaneM * std::clamp(0.5 + 0.1 * (i - top), 0.0, 1.0);
-    return {(20.0 + lane) * std::cos(angle), (12.0 + lane) * std::sin(angle), kFloorM * climb};
+    return {(20.0 + lane) * std::cos(angle), (12.0 + lane) * std::sin(angle),
+            kFloorM * (floor + ramp)};
   };
   Walk<Se3> walk{poses_along(poses, position, [](double) -> Vector3d { return Vector3d::UnitZ(); }),
                  {}};
+  for (std::size_t i = 0; i <= poses / 2; ++i) {
+    const bool second_lap = i % kStorey >= kLap && i % kStorey < kFlat;
+    if (second_lap) walk.loops.push_back({narrow(i - kLap), narrow(i)});
+  }
   constexpr std::size_t kGap = 12;  // poses around the turn at the top are odometry's business
-  for (std::size_t i = poses / 2; i < poses; ++i) {
+  for (std::size_t i = poses / 2 + 1; i < poses; ++i) {
     const std::size_t opposite = poses - 1 - i;
     for (const std::size_t from : {opposite - 1, opposite, opposite + 1}) {
       if (from < poses && from + kGap <= i) walk.loops.push_back({narrow(from), narrow(i)});

@@ -10,6 +10,8 @@ const std::vector<AddVerb> kVerbs{
     add_convert,
     add_info,
     add_plot,
+    add_simulate,
+    add_eval,
     add_generate_docs,
 };
 

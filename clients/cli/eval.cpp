@@ -1,0 +1,247 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <charconv>
+#include <cmath>
+#include <filesystem>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "cairn/core/output_file.hpp"
+#include "cairn/drawing/trajectory_picture.hpp"
+#include "cairn/evaluation/alignment.hpp"
+#include "cairn/evaluation/association.hpp"
+#include "cairn/evaluation/statistics.hpp"
+#include "cairn/evaluation/trajectory_error.hpp"
+#include "clients/cli/choices.hpp"
+#include "clients/cli/console.hpp"
+#include "clients/cli/fail.hpp"
+#include "clients/cli/outputs.hpp"
+#include "clients/cli/verb.hpp"
+
+namespace cairn::cli {
+namespace {
+
+enum class Metric { kAte, kRpe };
+
+const Choices<Metric> kMetrics{{"ate", Metric::kAte}, {"rpe", Metric::kRpe}};
+const Choices<std::optional<AlignmentKind>> kAlignments{{"none", AlignmentKind::kNone},
+                                                        {"se3", AlignmentKind::kSe3},
+                                                        {"sim3", AlignmentKind::kSim3},
+                                                        {"yaw", AlignmentKind::kYaw}};
+
+struct EvalArguments {
+  Metric metric = Metric::kAte;
+  std::string reference, estimate;
+  std::optional<AlignmentKind> align;
+  std::string delta = "10m";
+  bool consecutive = true;
+  double max_difference_s = 0.01;
+  std::string json, plot;
+  bool quiet = false;
+
+  [[nodiscard]] AlignmentKind alignment() const {
+    return align.value_or(metric == Metric::kAte ? AlignmentKind::kSe3 : AlignmentKind::kNone);
+  }
+  [[nodiscard]] std::string alignment_name() const {
+    for (const auto& [name, kind] : kAlignments) {
+      if (kind == alignment()) return name;
+    }
+    return {};
+  }
+};
+
+struct Evaluation {
+  std::size_t unmatched = 0;
+  Association matches;  // the estimate is aligned
+  PoseErrors errors{};
+  Statistics translation_m{}, rotation_deg{};
+};
+
+// "10m" is a length of path, "5" a number of poses.
+Result<PairSpacing> parse_spacing(const EvalArguments& a) {
+  const bool in_metres = a.delta.ends_with('m');
+  const char* end = a.delta.data() + a.delta.size() - (in_metres ? 1 : 0);
+  double value = 0.0;
+  const auto [rest, status] = std::from_chars(a.delta.data(), end, value);
+  const bool whole = in_metres || value == std::floor(value);
+  if (status != std::errc() || rest != end || !std::isfinite(value) || value <= 0.0 || !whole) {
+    return Error{
+        ErrorCode::kUsage,
+        "'" + a.delta + "' is no spacing; write a length like 10m or a number of poses like 5",
+        "--delta"};
+  }
+  return PairSpacing{.delta = value, .in_metres = in_metres, .consecutive = a.consecutive};
+}
+
+void warn_about(const Trajectory& trajectory) {
+  for (const std::string& warning : trajectory.warnings) Console::warn(warning);
+}
+
+Result<void> find_errors(const EvalArguments& a, const PairSpacing& spacing, Evaluation& e) {
+  if (a.metric == Metric::kAte) {
+    e.errors = absolute_errors(e.matches.reference, e.matches.estimate);
+  } else {
+    e.errors = relative_errors(e.matches.reference, e.matches.estimate,
+                               choose_pairs(e.matches.estimate, spacing));
+    if (e.errors.at.empty()) {
+      return Error{ErrorCode::kBadInput,
+                   "the matched poses are too few or too close together for a pair " + a.delta +
+                       " apart; give a smaller --delta",
+                   a.estimate};
+    }
+  }
+  e.translation_m = compute_statistics(e.errors.translation_m);
+  e.rotation_deg = compute_statistics(e.errors.rotation_deg);
+  return {};
+}
+
+Result<Evaluation> evaluate(const EvalArguments& a, const PairSpacing& spacing) {
+  const Result<Trajectory> reference = read_trajectory(a.reference);
+  if (!reference) return reference.error();
+  const Result<Trajectory> estimate = read_trajectory(a.estimate);
+  if (!estimate) return estimate.error();
+  warn_about(*reference);
+  warn_about(*estimate);
+  Result<Association> matches = associate(
+      *reference, *estimate, static_cast<std::uint64_t>(std::llround(1e9 * a.max_difference_s)));
+  if (!matches) return matches.error();
+
+  Evaluation e{.unmatched = matches->unmatched, .matches = std::move(*matches)};
+  const bool planar = reference->planar && estimate->planar;
+  const Alignment alignment = align(a.alignment(), e.matches.reference, e.matches.estimate, planar);
+  if (!alignment.rotation_determined) {
+    Console::warn(
+        "the matched positions lie on a line, so they do not tell the whole rotation of the "
+        "alignment; "
+        "the smallest was taken");
+  }
+  for (Se3& T : e.matches.estimate) T = alignment * T;
+  if (Result<void> found = find_errors(a, spacing, e); !found) return found.error();
+  return e;
+}
+
+void print_row(const Console& console, const char* label, const Statistics& s) {
+  char line[160];
+  std::snprintf(line, sizeof line, "%-16s%13.7f%13.7f%13.7f%13.7f%13.7f%13.7f", label, s.mean,
+                s.standard_deviation, s.rmse, s.median, s.min, s.max);
+  console.say(line);
+}
+
+void print_table(const EvalArguments& a, const Evaluation& e) {
+  const Console console(a.json == "-" || a.plot == "-", a.quiet);
+  const bool absolute = a.metric == Metric::kAte;
+  std::string title =
+      absolute ? "absolute trajectory error" : "relative pose error over " + a.delta;
+  title += ", aligned by " + a.alignment_name() + ": " + std::to_string(e.errors.at.size()) +
+           (absolute        ? " poses, "
+            : a.consecutive ? " consecutive pairs, "
+                            : " pairs, ") +
+           std::to_string(e.unmatched) + " unmatched";
+  console.say(title);
+  char header[160];
+  std::snprintf(header, sizeof header, "%-16s%13s%13s%13s%13s%13s%13s", "", "mean", "std", "rmse",
+                "median", "min", "max");
+  console.say(header);
+  print_row(console, "translation [m]", e.translation_m);
+  print_row(console, "rotation [deg]", e.rotation_deg);
+}
+
+nlohmann::ordered_json json_of(const Statistics& s) {
+  return {{"mean", s.mean}, {"std", s.standard_deviation},
+          {"rmse", s.rmse}, {"median", s.median},
+          {"min", s.min},   {"max", s.max}};
+}
+
+std::string json_text(const EvalArguments& a, const Evaluation& e) {
+  nlohmann::ordered_json json;
+  json["metric"] = a.metric == Metric::kAte ? "ate" : "rpe";
+  json["align"] = a.alignment_name();
+  json["pairs"] = e.errors.at.size();
+  json["unmatched"] = e.unmatched;
+  json["translation"] = json_of(e.translation_m);
+  json["rotation"] = json_of(e.rotation_deg);
+  return json.dump(2) + "\n";
+}
+
+Result<void> draw(const EvalArguments& a, const Evaluation& e) {
+  TrajectoryErrors picture;
+  for (const Se3& T : e.matches.reference) picture.reference.push_back(T.translation());
+  for (const Se3& T : e.matches.estimate) picture.estimate.push_back(T.translation());
+  const std::vector<double> path_m = path_lengths(e.matches.reference);
+  for (const std::size_t pose : e.errors.at) picture.path_m.push_back(path_m[pose]);
+  picture.index = e.errors.at;
+  picture.error = e.errors.translation_m;
+  if (a.metric == Metric::kRpe) picture.error_label = "position error over " + a.delta + " [m]";
+  char numbers[160];
+  std::snprintf(numbers, sizeof numbers, "rmse %.4g m, median %.4g m, max %.4g m, aligned by %s",
+                e.translation_m.rmse, e.translation_m.median, e.translation_m.max,
+                a.alignment_name().c_str());
+  picture.summary = numbers;
+  const std::string title = std::filesystem::path(a.estimate).filename().string() + " against " +
+                            std::filesystem::path(a.reference).filename().string();
+  return draw_trajectory_errors(picture, a.plot, {.title = title});
+}
+
+Result<void> check_arguments(const EvalArguments& a) {
+  if (a.reference == "-" && a.estimate == "-") {
+    return Error{ErrorCode::kUsage, "standard input ('-') can be read only once"};
+  }
+  if (!(a.max_difference_s >= 0.0 && a.max_difference_s <= 1e9)) {
+    return Error{ErrorCode::kUsage, "seconds from 0 to 1e9 are expected", "--max-difference"};
+  }
+  if (!a.plot.empty()) {
+    if (Result<void> picture = check_picture(a.plot); !picture) return picture;
+  }
+  return check_outputs({a.json, a.plot});
+}
+
+int run_eval(const EvalArguments& a) {
+  if (Result<void> sound = check_arguments(a); !sound) return fail(sound.error());
+  const Result<PairSpacing> spacing = parse_spacing(a);
+  if (!spacing) return fail(spacing.error());
+  const Result<Evaluation> evaluation = evaluate(a, *spacing);
+  if (!evaluation) return fail(evaluation.error());
+  Result<void> written;
+  if (!a.plot.empty()) written = draw(a, *evaluation);
+  if (written && !a.json.empty()) written = write_file(a.json, json_text(a, *evaluation));
+  if (!written) return fail(written.error());
+  print_table(a, *evaluation);
+  return kDone;
+}
+
+}  // namespace
+
+Run add_eval(CLI::App& parent, CLI::App*& verb) {
+  auto a = std::make_shared<EvalArguments>();
+  verb = parent.add_subcommand("eval", "measure the error of a trajectory against a reference");
+  add_choice(*verb, "METRIC", a->metric, kMetrics,
+             "ate: error of every pose; rpe: error of the motion between pairs of poses")
+      ->required();
+  verb->add_option("REFERENCE", a->reference, "the truth: a TUM, KITTI or graph file")
+      ->required()
+      ->type_name("FILE");
+  verb->add_option("ESTIMATE", a->estimate, "what is judged, in the same format")
+      ->required()
+      ->type_name("FILE");
+  add_choice(*verb, "--align", a->align, kAlignments,
+             "fit the estimate to the reference first (by default se3 for ate, none for rpe)");
+  verb->add_option("--delta", a->delta,
+                   "rpe: distance of a pair, as length of path (10m) or number of poses (5)");
+  add_choice(*verb, "--pairs", a->consecutive, {{"consecutive", true}, {"all", false}},
+             "rpe: pairs that follow each other, or one from every pose");
+  verb->add_option("--max-difference", a->max_difference_s,
+                   "seconds between time stamps of one pose (TUM)")
+      ->type_name("S");
+  verb->add_option("--json", a->json, "write the numbers as JSON; '-' is standard output")
+      ->type_name("FILE");
+  verb->add_option("--plot", a->plot, "draw both trajectories and the error along the path")
+      ->type_name("OUT.svg|OUT.png");
+  verb->add_flag("--quiet", a->quiet, "print nothing");
+  verb->footer(
+      "Poses are matched by time stamp (TUM), by line (KITTI) or by id (graph files). '-' reads "
+      "one of the "
+      "files from standard input.");
+  return [a] { return run_eval(*a); };
+}
+
+}  // namespace cairn::cli
