@@ -8,7 +8,8 @@ namespace {
 
 bool is_letter(char c) { return (c >= 'A' && c <= 'Z') || (c >= 'a' && c <= 'z') || c == '_'; }
 
-// What begins a line we keep without understanding it; anything else is not a graph file.
+}  // namespace
+
 bool looks_like_tag(std::string_view text) {
   constexpr std::size_t kLongest = 64;
   const auto may_follow = [](char c) {
@@ -17,8 +18,6 @@ bool looks_like_tag(std::string_view text) {
   return text.size() <= kLongest && is_letter(text[0]) &&
          std::all_of(text.begin(), text.end(), may_follow);
 }
-
-}  // namespace
 
 GraphSource::GraphSource(const NamedText& text, GraphFormat format)
     : name_(text.name), text_(text.text), format_(format), entries_(graph_tags(format).size()) {

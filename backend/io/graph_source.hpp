@@ -10,6 +10,9 @@
 
 namespace cairn {
 
+/// What begins a line we keep without understanding it; anything else is not a graph file.
+bool looks_like_tag(std::string_view text);
+
 /// The columns of one line, parsed. The largest line has 2 + 2 ids and 7 + 21 numbers.
 struct LineFields {
   std::array<std::uint64_t, 4> ids;

@@ -7,6 +7,7 @@ namespace {
 // In the order `cairn --help` lists them.
 const std::vector<AddVerb> kVerbs{
     add_optimize,
+    add_check,
     add_convert,
     add_info,
     add_plot,
