@@ -113,17 +113,17 @@ int fix_and_report(const CheckOptions& options, const std::string& name, std::st
   std::ostream& out = report_stream(options);
   print_report(out, name, repaired.before, lint.limit_per_code);
   print_changes(out, name, repaired.changes);
-  if (!repaired.after.format)
-    return kBadInput;  // nothing was understood, so there is nothing to write
+  if (!options.json.empty()) {
+    if (const auto written = write_json(options, name, repaired.before, &repaired); !written)
+      return fail(written.error());
+  }
+  // Where nothing was understood there is nothing to write.
+  if (!repaired.after.format) return kBadInput;
   if (const auto written = write_fixed(options, repaired); !written) return fail(written.error());
   const std::string fixed_name = options.fix == "-" ? "<stdout>" : options.fix;
   out << fixed_name << ": written, " << count_of(repaired.changes.size(), "change")
       << "; what is left:\n";
   print_report(out, fixed_name, repaired.after, lint.limit_per_code);
-  if (!options.json.empty()) {
-    if (const auto written = write_json(options, name, repaired.before, &repaired); !written)
-      return fail(written.error());
-  }
   return repaired.after.clean() ? kDone : kBadInput;
 }
 
@@ -165,10 +165,12 @@ Run add_check(CLI::App& parent, CLI::App*& verb) {
   add_choice(*verb, "--format", options->format, graph_formats(),
              "format of IN; otherwise recognized by content");
   verb->add_option("--fix", options->fix,
-                   "write a repaired copy here (- for standard output) and judge that");
+                   "write a repaired copy here (- for standard output) and judge that")
+      ->type_name("OUT");
   verb->add_flag("--strict", options->strict, "warnings are errors");
-  verb->add_option("--json", options->json, "write the findings as JSON here");
-  verb->add_option("--limit", options->limit, "findings shown of each code, 0 for all");
+  verb->add_option("--json", options->json, "write the findings as JSON here")->type_name("FILE");
+  verb->add_option("--limit", options->limit, "findings shown of each code, 0 for all")
+      ->type_name("N");
   verb->footer(
       "Exit code: 0 clean or warnings only, 3 errors. The codes are explained in "
       "backend/diagnostics/README.md.");
