@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "cairn/linear/single_thread_blas.hpp"
 
-#include <omp.h>
-
+// libgomp's, on which CHOLMOD runs whichever compiler builds us (so not <omp.h>).
 extern "C" {
+int omp_get_max_active_levels(void);
+void omp_set_max_active_levels(int levels);
 int openblas_get_num_threads(void);
 void openblas_set_num_threads(int count);
 }
