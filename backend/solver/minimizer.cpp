@@ -49,7 +49,7 @@ class Minimizer {
  private:
   StopReason iterate() {
     if (!std::isfinite(cost_.cost)) return StopReason::kNotFinite;
-    if (is_stationary()) return StopReason::kGradient;
+    if (is_stationary()) return check_rank_at_start();
     for (int number = 1; number <= options_.max_iterations; ++number) {
       const Stopwatch watch;
       IterationReport report;
@@ -63,6 +63,14 @@ class Minimizer {
       if (!go_on) return StopReason::kInterrupted;
     }
     return StopReason::kIterationLimit;
+  }
+
+  // A start that is the minimum already can have free variables all the same.
+  StopReason check_rank_at_start() {
+    if (!check_rank_ || equations_.pattern().size() == 0) return StopReason::kGradient;
+    StepTimes times;
+    result_.looks_singular = is_singular(strategy_->propose(equations_, linear_, times));
+    return StopReason::kGradient;
   }
 
   // Nothing where the loop shall go on.
