@@ -30,11 +30,12 @@ namespace {
 Result<void> report_unknown(Reading& reading) {
   for (const GraphSource& source : reading.sources) {
     for (const auto& unknown : source.unknown_tags()) {
-      const std::string lines = unknown.lines == 1
-                                    ? "the line is kept as it is"
-                                    : std::to_string(unknown.lines) + " lines are kept as they are";
-      Result<void> warned = reading.warn(source.place(unknown.first_line),
-                                         "unknown tag " + quote(unknown.tag) + "; " + lines);
+      const std::string kept =
+          unknown.lines == 1 ? "; the line is kept as it is"
+                             : "; " + std::to_string(unknown.lines) + " lines are kept as they are";
+      Result<void> warned =
+          reading.warn(source.place(unknown.first_line),
+                       "unknown tag " + quote(unknown.tag) + (reading.options.strict ? "" : kept));
       if (!warned) return warned;
     }
     auto& lines = reading.document.unknown_lines;
