@@ -140,7 +140,7 @@ Elimination analyze_elimination(const BlockGraph& graph, std::span<const int> or
 
 Elimination find_elimination(const BlockGraph& graph) {
   Elimination best = analyze_elimination(graph, amd_order_of(graph), "amd");
-  if (best.block_operations() < kTryNestedDissection * graph.size()) return best;
+  if (best.block_operations() <= kTryNestedDissection * graph.size()) return best;
   const std::vector<int> order = metis_order_of(graph);
   if (order.empty()) return best;
   Elimination nested = analyze_elimination(graph, order, "metis");
