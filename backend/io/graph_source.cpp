@@ -73,7 +73,7 @@ Result<void> GraphSource::keep_unknown(const Record& record) {
   }
   const std::size_t begin = static_cast<std::size_t>(record.line.data() - text_.data());
   std::string_view line = text_.substr(begin, text_.find('\n', begin) - begin);
-  if (line.ends_with('\r')) line.remove_suffix(1);
+  while (line.ends_with('\r')) line.remove_suffix(1);
   unknown_lines_.emplace_back(line);
   const auto same =
       std::find_if(unknown_tags_.begin(), unknown_tags_.end(),
