@@ -4,12 +4,12 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
+#include "cairn/core/exit_code.hpp"
 #include "cairn/core/output_file.hpp"
 #include "cairn/diagnostics/lint.hpp"
 #include "cairn/io/compression.hpp"
 #include "cairn/io/graph_tags.hpp"
 #include "cairn/io/input_text.hpp"
-#include "clients/cli/fail.hpp"
 #include "clients/cli/graph_format.hpp"
 #include "clients/cli/outputs.hpp"
 #include "clients/cli/verb.hpp"

@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
+#include "cairn/core/exit_code.hpp"
 #include "cairn/core/output_file.hpp"
 #include "cairn/drawing/trajectory_picture.hpp"
 #include "cairn/evaluation/alignment.hpp"
@@ -14,7 +15,6 @@
 #include "cairn/evaluation/trajectory_error.hpp"
 #include "clients/cli/choices.hpp"
 #include "clients/cli/console.hpp"
-#include "clients/cli/fail.hpp"
 #include "clients/cli/outputs.hpp"
 #include "clients/cli/verb.hpp"
 

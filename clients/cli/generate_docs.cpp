@@ -2,11 +2,11 @@
 #include <filesystem>
 #include <memory>
 
+#include "cairn/core/exit_code.hpp"
 #include "cairn/core/output_file.hpp"
 #include "clients/cli/app.hpp"
 #include "clients/cli/completion.hpp"
 #include "clients/cli/describe.hpp"
-#include "clients/cli/fail.hpp"
 #include "clients/cli/man_page.hpp"
 
 namespace cairn::cli {

@@ -5,9 +5,9 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
+#include "cairn/core/exit_code.hpp"
 #include "cairn/io/graph_tags.hpp"
 #include "clients/cli/console.hpp"
-#include "clients/cli/fail.hpp"
 #include "clients/cli/graph_facts.hpp"
 #include "clients/cli/graph_format.hpp"
 #include "clients/cli/verb.hpp"

@@ -57,7 +57,7 @@ void add_solver_options(CLI::App& verb, OptimizeArguments& a) {
   add_choice(verb, "--loss-on", a.solve.loss_on_loops_only, kLossTargets,
              "factors the loss is applied to");
   verb.add_option("--threads", a.solve.threads,
-                  "threads; 0: one per processor. Results do not depend on it")
+                  "threads at most; 0: one per processor. Results do not depend on it")
       ->check(in_range(0, 1024))
       ->type_name("N");
   verb.add_option("--max-iterations", a.solve.max_iterations, "iteration limit")

@@ -2,12 +2,12 @@
 #include <algorithm>
 #include <thread>
 
+#include "cairn/core/exit_code.hpp"
 #include "cairn/core/output_file.hpp"
 #include "cairn/core/stopwatch.hpp"
 #include "cairn/solver/optimize.hpp"
 #include "clients/cli/console.hpp"
 #include "clients/cli/covariances.hpp"
-#include "clients/cli/fail.hpp"
 #include "clients/cli/interrupt.hpp"
 #include "clients/cli/optimize.hpp"
 #include "clients/cli/optimize_picture.hpp"
@@ -23,6 +23,12 @@ Result<SolveOptions> solve_options(const OptimizeArguments& a) {
   Result<RobustLoss> loss = RobustLoss::parse(a.loss);
   if (!loss) return Error{loss.error().code, loss.error().message, "--loss"};
   options.loss = *loss;
+  if (!is_available(options.linear)) {
+    return Error{ErrorCode::kUsage,
+                 "this build has no " + std::string(to_string(options.linear)) +
+                     " back-end; choose another, or build with -DCAIRN_WITH_CERES=ON",
+                 "--linear"};
+  }
   if (options.threads == 0)
     options.threads = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
   return options;

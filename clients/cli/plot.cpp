@@ -6,11 +6,11 @@
 #include <string>
 #include <vector>
 
+#include "cairn/core/exit_code.hpp"
 #include "cairn/drawing/graph_picture.hpp"
 #include "cairn/drawing/ruler.hpp"
 #include "cairn/io/graph_file.hpp"
 #include "cairn/solver/optimize.hpp"
-#include "clients/cli/fail.hpp"
 #include "clients/cli/graph_format.hpp"
 #include "clients/cli/outputs.hpp"
 #include "clients/cli/truth.hpp"

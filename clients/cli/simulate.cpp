@@ -2,9 +2,9 @@
 #include <memory>
 #include <string>
 
+#include "cairn/core/exit_code.hpp"
 #include "cairn/io/graph_file.hpp"
 #include "clients/cli/console.hpp"
-#include "clients/cli/fail.hpp"
 #include "clients/cli/graph_format.hpp"
 #include "clients/cli/outputs.hpp"
 #include "clients/cli/verb.hpp"
