@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "cairn/solver/optimize.hpp"
 
+#include <algorithm>
+
 #include "cairn/core/stopwatch.hpp"
 #include "cairn/linear/linear_solver.hpp"
 #include "cairn/solver/ceres_backend.hpp"
@@ -23,6 +25,19 @@ std::unique_ptr<LinearSolver> make_linear_solver(LinearBackend backend) {
       break;
   }
   return make_cholmod_solver();
+}
+
+// Waking a thread costs as much as a hundred microseconds of linearization: small graphs stay on
+// one.
+int threads_that_pay(const Graph& graph, int requested) {
+  constexpr double kMultiplicationsPerThread = 250e3;
+  double multiplications = 0.0;
+  for (const auto& batch : graph.batches()) {
+    const double d = batch->residual_dimension();
+    multiplications += static_cast<double>(batch->size()) * d * d * d;
+  }
+  return std::clamp(static_cast<int>(multiplications / kMultiplicationsPerThread) + 1, 1,
+                    std::max(requested, 1));
 }
 
 std::int64_t degrees_of_freedom(const Problem& problem) {
@@ -70,11 +85,14 @@ void report(const MinimizerResult& result, SolveSummary& summary) {
 class Optimization {
  public:
   Optimization(Graph& graph, const SolveOptions& options)
-      : graph_(graph), options_(options), problem_(graph), pool_(options.threads) {}
+      : graph_(graph),
+        options_(options),
+        problem_(graph),
+        pool_(threads_that_pay(graph, options.threads)) {}
 
   SolveSummary run() {
-    summary_.threads = options_.threads;
-    summary_.linear = options_.linear;
+    summary_.threads = pool_.threads();
+    summary_.linear = is_available(options_.linear) ? options_.linear : LinearBackend::kCholmod;
     summary_.components = problem_.components;
     summary_.gauge = problem_.gauge;
     summary_.degrees_of_freedom = degrees_of_freedom(problem_);
@@ -169,6 +187,15 @@ class Optimization {
 };
 
 }  // namespace
+
+bool is_available(LinearBackend backend) {
+#ifdef CAIRN_WITH_CERES
+  static_cast<void>(backend);
+  return true;
+#else
+  return backend != LinearBackend::kCeres;
+#endif
+}
 
 SolveSummary optimize(Graph& graph, const SolveOptions& options) {
   return Optimization(graph, options).run();

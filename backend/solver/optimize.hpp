@@ -14,6 +14,10 @@ namespace cairn {
 /// it. One thread may call this per graph.
 SolveSummary optimize(Graph& graph, const SolveOptions& options = {});
 
+/// False for a back-end that this build leaves out (CAIRN_WITH_CERES=OFF); optimize() then takes
+/// CHOLMOD and says so in summary.linear.
+bool is_available(LinearBackend backend);
+
 /// chi2 of the graph at its current values, in the given chart.
 double compute_chi2(const Graph& graph, ErrorChart chart = ErrorChart::kG2o);
 

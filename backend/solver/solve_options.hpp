@@ -27,7 +27,8 @@ struct SolveOptions {
   RobustLoss loss{};
   bool loss_on_loops_only = false;
   ErrorChart chart = ErrorChart::kG2o;
-  int threads = 1;  ///< for linearization; results do not depend on it
+  int threads =
+      1;  ///< at most, for linearization: small graphs use fewer. Results do not depend on it
   /// Called after each iteration from the solving thread (number from 1, report). Return false to
   /// stop early: the best iterate so far is kept and the stop reason is kInterrupted.
   std::function<bool(int, const IterationReport&)> on_iteration{};

@@ -65,9 +65,9 @@ struct SolveSummary {
 
   double setup_s = 0.0;     ///< initialization, structure and analysis
   double optimize_s = 0.0;  ///< everything, setup included
-  int threads = 1;
+  int threads = 1;  ///< used
   LinearBackend linear = LinearBackend::kCholmod;
-  std::string ordering;  ///< "amd", "nesdis"; empty where the back-end has none
+  std::string ordering;  ///< "amd", "metis"; empty where the back-end has none
   std::optional<std::int64_t> factor_nonzeros;  ///< null where the back-end does not tell
 
   /// True when the estimates may be used: converged, partially constrained, or stopped where a

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <numbers>
 #include <random>
 #include <vector>
@@ -75,8 +76,9 @@ struct Space {
 };
 
 /// A drive around a circle: `count` poses, an edge from each to the next (the last is the loop
-/// closure), `chords` more edges across, and `landmarks` points from id 1000 on, seen from three
-/// poses each. Measurements are off by `noise`, the start (not of pose 0) by `start_noise`.
+/// closure), `chords` more edges across, and `landmarks` points from id max(1000, count) on, seen
+/// from three poses each. Measurements are off by `noise`, the start (not of pose 0) by
+/// `start_noise`.
 template <class World>
 Graph circle(std::uint64_t count, std::uint64_t chords, std::uint64_t landmarks, double noise,
              double start_noise, std::uint32_t seed) {
@@ -99,16 +101,17 @@ Graph circle(std::uint64_t count, std::uint64_t chords, std::uint64_t landmarks,
     connect(i, (i + 1) % count, i + 1 < count ? FactorKind::kOdometry : FactorKind::kLoop);
   for (std::uint64_t i = 0; i < chords; ++i)
     connect(i % count, (i + count / 3) % count, FactorKind::kLoop);
+  const std::uint64_t first_landmark = std::max<std::uint64_t>(1000, count);
   for (std::uint64_t l = 0; l < landmarks; ++l) {
     const auto point = random.template vector<World::kPoint>(6.0).eval();
     const auto off = random.template vector<World::kPoint>(start_noise).eval();
-    EXPECT_TRUE(World::add_point(graph, 1000 + l, point + off));
+    EXPECT_TRUE(World::add_point(graph, first_landmark + l, point + off));
     for (const std::uint64_t pose : {l % count, (l + 1) % count, (l + count / 2) % count}) {
       typename World::Landmark seen{};
       seen.p_sensor_measured =
           truth[pose].inverse() * point + random.template vector<World::kPoint>(noise);
       seen.information = random.template information<World::kPoint>();
-      EXPECT_TRUE(graph.add_factor(seen, {VariableId{pose}, VariableId{1000 + l}}));
+      EXPECT_TRUE(graph.add_factor(seen, {VariableId{pose}, VariableId{first_landmark + l}}));
     }
   }
   return graph;
