@@ -2,35 +2,13 @@
 #include "cairn/diagnostics/components.hpp"
 
 #include <algorithm>
-#include <numeric>
+
+#include "cairn/core/disjoint_sets.hpp"
 
 namespace cairn {
-namespace {
-
-// Disjoint sets of slots, with path halving.
-class SlotSets {
- public:
-  explicit SlotSets(std::size_t count) : parent_(count) {
-    std::iota(parent_.begin(), parent_.end(), 0);
-  }
-
-  VariableSlot root(VariableSlot slot) {
-    while (parent_[slot] != slot) slot = parent_[slot] = parent_[parent_[slot]];
-    return slot;
-  }
-  void join(VariableSlot a, VariableSlot b) {
-    parent_[std::max(root(a), root(b))] = std::min(root(a), root(b));
-  }
-
- private:
-  std::vector<VariableSlot> parent_;
-};
-
-}  // namespace
-
 std::vector<Component> connected_components(const Graph& graph) {
   const auto variables = graph.variables();
-  SlotSets sets(variables.size());
+  DisjointSets sets(variables.size());
   const auto slot_of = [&](const FactorBatch& batch, std::size_t i, std::size_t k) {
     return graph.slot_of(batch.signature()[k],
                          batch.variable_indices()[i * batch.signature().size() + k]);
@@ -45,7 +23,7 @@ std::vector<Component> connected_components(const Graph& graph) {
   std::vector<std::size_t> component_of_root(variables.size());
   for (VariableSlot slot = 0; slot < variables.size(); ++slot) {
     const Variable& variable = variables[slot];
-    const VariableSlot root = sets.root(slot);  // the smallest slot of its set, so it comes first
+    const std::size_t root = sets.root(slot);  // the smallest slot of its set, so it comes first
     if (root == slot) {
       component_of_root[root] = components.size();
       components.push_back({.smallest = variable.id});

@@ -3,6 +3,7 @@
 
 #include <type_traits>
 
+#include "cairn/core/disjoint_sets.hpp"
 #include "cairn/linear/linear_solver.hpp"
 
 namespace cairn {
@@ -163,7 +164,9 @@ class JointRelaxation {
   using Rotation = std::remove_cvref_t<decltype(Pose().rotation())>;
 
   JointRelaxation(const Problem& problem, const RelativePoseGraph<Pose>& graph, Values& values)
-      : problem_(problem), graph_(graph), values_(values), sightings_(find_sightings<n>(problem)) {}
+      : problem_(problem), graph_(graph), values_(values), sightings_(find_sightings<n>(problem)) {
+    hold_roots();
+  }
 
   bool run() {
     const std::vector<Small> joint = solve_joint();
@@ -199,6 +202,27 @@ class JointRelaxation {
   [[nodiscard]] bool held_point(std::size_t index) const {
     constexpr VariableType kPoint = n == 2 ? VariableType::kPoint2 : VariableType::kPoint3;
     return problem_.held[problem_.graph->slot_of(kPoint, static_cast<std::uint32_t>(index))];
+  }
+
+  // Absolute factors are not relaxed. A component in which they are all that ties it to the map
+  // keeps its pose with the smallest id.
+  void hold_roots() {
+    const std::size_t poses = graph_.held.size(), points = points_of<n>(values_).size();
+    DisjointSets sets(poses + points);
+    for (const auto& edge : graph_.edges) sets.join(edge.measured.a, edge.measured.b);
+    for (const Sighting<n>& sighting : sightings_) sets.join(sighting.pose, poses + sighting.point);
+    std::vector<bool> tied(poses + points, false);
+    for (std::size_t i = 0; i < poses; ++i) {
+      if (graph_.held[i]) tied[sets.root(i)] = true;
+    }
+    for (std::size_t i = 0; i < points; ++i) {
+      if (held_point(i)) tied[sets.root(poses + i)] = true;
+    }
+    for (const std::uint32_t pose : graph_.poses_by_id) {
+      if (tied[sets.root(pose)]) continue;
+      tied[sets.root(pose)] = true;
+      graph_.held[pose] = true;
+    }
   }
 
   // Pose nodes first, then one node per point that was sighted.
@@ -272,7 +296,7 @@ class JointRelaxation {
   }
 
   const Problem& problem_;
-  const RelativePoseGraph<Pose>& graph_;
+  RelativePoseGraph<Pose> graph_;
   Values& values_;
   std::vector<Sighting<n>> sightings_;
   std::vector<int> point_node_;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "cairn/solver/minimizer.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <utility>
@@ -48,7 +49,7 @@ class Minimizer {
 
  private:
   StopReason iterate() {
-    if (!std::isfinite(cost_.cost)) return StopReason::kNotFinite;
+    if (!std::isfinite(cost_.cost) || !equations_.is_finite()) return StopReason::kNotFinite;
     if (is_stationary()) return check_rank_at_start();
     for (int number = 1; number <= options_.max_iterations; ++number) {
       const Stopwatch watch;
@@ -103,11 +104,12 @@ class Minimizer {
       accept(trial_cost, gain / predicted_decrease);
     }
     if (last || (report.accepted && little_remains(step, gain))) return StopReason::kSmallDecrease;
-    if (small_step) return StopReason::kSmallStep;
+    if (small_step && step.newton) return StopReason::kSmallStep;
     if (report.accepted)
       return is_stationary() ? std::optional(StopReason::kGradient) : std::nullopt;
-    // What cannot be improved by a step that promised next to nothing is rounding.
-    if (step.predicted_decrease <= kSmallDecrease * cost_.cost) return StopReason::kSmallDecrease;
+    // No use in more damping. Whether rounding is in the way or the model is wrong is told at the
+    // end.
+    if (step.predicted_decrease <= kSmallDecrease * cost_.cost) return StopReason::kLambdaExhausted;
     return reject();
   }
 
@@ -195,7 +197,8 @@ class Minimizer {
     return factor && looks_singular(*factor, equations_.diagonal());
   }
 
-  // Needed only where the loop did not end by itself: is the result usable nevertheless?
+  // Needed only where the loop did not end by itself: is the result usable nevertheless? Damping
+  // makes any step promise little; an undamped one tells whether anything was left to gain.
   void predict_remaining_decrease() {
     const bool converged = result_.reason == StopReason::kSmallDecrease ||
                            result_.reason == StopReason::kSmallStep ||
@@ -206,6 +209,9 @@ class Minimizer {
     const Step step = make_step_strategy(Method::kGaussNewton)->propose(equations_, linear_, times);
     result_.predicted_chi2_decrease =
         step.valid ? 2.0 * step.predicted_decrease : std::numeric_limits<double>::infinity();
+    if (result_.reason == StopReason::kLambdaExhausted && step.valid &&
+        step.predicted_decrease <= kSmallDecrease * std::max(best_cost_.cost, 1.0))
+      result_.reason = StopReason::kSmallDecrease;
   }
 
   [[nodiscard]] EvaluationContext context(const Values& values) const {

@@ -43,6 +43,8 @@ class NormalEquations {
   [[nodiscard]] const Eigen::VectorXd& gradient() const { return gradient_; }
   /// The undamped diagonal of H.
   [[nodiscard]] const Eigen::VectorXd& diagonal() const { return diagonal_; }
+  /// False where a factor's derivatives overflow or are not numbers.
+  [[nodiscard]] bool is_finite() const { return gradient_.allFinite() && diagonal_.allFinite(); }
   [[nodiscard]] const UnknownLayout& layout() const { return layout_; }
   [[nodiscard]] const Problem& problem() const { return problem_; }
 

@@ -137,6 +137,7 @@ class Optimization {
     while (true) {
       NormalEquations equations(problem_, *layout_);
       equations.linearize(context(), pool_);
+      if (!equations.is_finite()) return any;  // for the loop to report
       const RankReport free = find_free_directions(equations);
       if (free.full_rank()) return any;
       any = true;

@@ -1,25 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "cairn/solver/problem.hpp"
 
-#include <numeric>
+#include "cairn/core/disjoint_sets.hpp"
 
 namespace cairn {
 namespace {
-
-class UnionFind {
- public:
-  explicit UnionFind(std::size_t size) : parent_(size) {
-    std::iota(parent_.begin(), parent_.end(), 0);
-  }
-  int root(int i) {
-    while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];
-    return i;
-  }
-  void join(int i, int j) { parent_[root(i)] = root(j); }
-
- private:
-  std::vector<int> parent_;
-};
 
 // Calls visit(factor, slots of its variables) for each factor of a batch.
 template <class Visit>
@@ -45,22 +30,21 @@ struct ComponentFacts {
 
 Problem::Problem(const Graph& source) : graph(&source), held(source.variables().size()) {
   const std::span<const Variable> variables = source.variables();
-  UnionFind sets(variables.size());
-  std::vector<int> tied;  // a slot of each absolute factor
+  DisjointSets sets(variables.size());
+  std::vector<VariableSlot> tied;  // a slot of each absolute factor
   for (const auto& batch : source.batches()) {
     batches.push_back(batch.get());
     for_each_factor(source, *batch, [&](std::size_t, std::span<const VariableSlot> slots) {
-      for (std::size_t k = 1; k < slots.size(); ++k)
-        sets.join(static_cast<int>(slots[0]), static_cast<int>(slots[k]));
-      if (batch->is_absolute()) tied.push_back(static_cast<int>(slots[0]));
+      for (std::size_t k = 1; k < slots.size(); ++k) sets.join(slots[0], slots[k]);
+      if (batch->is_absolute()) tied.push_back(slots[0]);
     });
   }
   std::vector<ComponentFacts> facts(variables.size());
-  for (const int slot : tied) facts[sets.root(slot)].tied_to_map = true;
+  for (const VariableSlot slot : tied) facts[sets.root(slot)].tied_to_map = true;
   for (std::size_t slot = 0; slot < variables.size(); ++slot) {
     const Variable& variable = variables[slot];
-    const int root = sets.root(static_cast<int>(slot));
-    components += root == static_cast<int>(slot);
+    const std::size_t root = sets.root(slot);
+    components += root == slot;
     held[slot] = variable.fixed;
     ComponentFacts& component = facts[root];
     component.tied_to_map = component.tied_to_map || variable.fixed;

@@ -58,8 +58,9 @@ TYPED_TEST(OptimizeTest, ReachesTheSameOptimumWithEveryMethodAndLinearBackend) {
   const double chi2 = optimize(reference).final_chi2;
   EXPECT_GT(chi2, 1e-3);
   for (const Method method : {Method::kLevenbergMarquardt, Method::kGaussNewton, Method::kDogleg}) {
-    for (const LinearBackend linear :
-         {LinearBackend::kCholmod, LinearBackend::kEigen, LinearBackend::kPcg}) {
+    for (const LinearBackend linear : {LinearBackend::kCholmod, LinearBackend::kEigen,
+                                       LinearBackend::kPcg, LinearBackend::kCeres}) {
+      if (!is_available(linear)) continue;
       Graph graph = start;
       const SolveSummary summary = optimize(graph, {.method = method, .linear = linear});
       EXPECT_EQ(summary.status, SolveStatus::kConverged)
@@ -204,6 +205,30 @@ TYPED_TEST(OptimizeTest, DownWeightsAWrongLoopWithEveryStrongLoss) {
           << static_cast<int>(kind) << " loops only: " << loops_only;
     }
   }
+}
+
+// Huber only bounds the pull of an outlier: many good loops outweigh a bounded one.
+TYPED_TEST(OptimizeTest, StaysCloseToTheOptimumWithoutAnOutlierUnderHuber) {
+  Graph clean = circle<TypeParam>(40, 40, 0, 0.02, 0.02, 15), with_outlier = clean;
+  optimize(clean);
+  typename TypeParam::Between wrong{};
+  wrong.T_a_b_measured = TypeParam::Pose::exp(TypeParam::Pose::Tangent::Constant(1.5));
+  wrong.information.setIdentity();
+  ASSERT_TRUE(with_outlier.add_factor(wrong, {VariableId{4}, VariableId{25}}, FactorKind::kLoop));
+  const auto worst_m = [&](const RobustLoss& loss) {
+    Graph graph = with_outlier;
+    EXPECT_TRUE(optimize(graph, {.loss = loss}).usable());
+    double error_m = 0.0;
+    for (std::size_t i = 0; i < 40; ++i) {
+      error_m = std::max(error_m, (TypeParam::poses(graph.values())[i].translation() -
+                                   TypeParam::poses(clean.values())[i].translation())
+                                      .norm());
+    }
+    return error_m;
+  };
+  const double without_loss_m = worst_m({}), huber_m = worst_m({RobustLoss::Kind::kHuber, 1.0});
+  EXPECT_GT(without_loss_m, 1.0);
+  EXPECT_LT(huber_m, 0.1 * without_loss_m);
 }
 
 TYPED_TEST(OptimizeTest, LeavesOdometryUnderALossOnLoopsOnly) {

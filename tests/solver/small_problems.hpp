@@ -43,8 +43,8 @@ struct Plane {
   using Between = BetweenSe2;
   using Landmark = LandmarkXy;
   static constexpr int kPose = 3, kPoint = 2;
-  static auto& poses(Values& values) { return values.pose2; }
-  static auto& points(Values& values) { return values.point2; }
+  static auto& poses(auto& values) { return values.pose2; }
+  static auto& points(auto& values) { return values.point2; }
   static auto add_pose(Graph& graph, std::uint64_t id, const Pose& T) {
     return graph.add_pose2({id}, T);
   }
@@ -61,8 +61,8 @@ struct Space {
   using Between = BetweenSe3;
   using Landmark = LandmarkXyz;
   static constexpr int kPose = 6, kPoint = 3;
-  static auto& poses(Values& values) { return values.pose3; }
-  static auto& points(Values& values) { return values.point3; }
+  static auto& poses(auto& values) { return values.pose3; }
+  static auto& points(auto& values) { return values.point3; }
   static auto add_pose(Graph& graph, std::uint64_t id, const Pose& T) {
     return graph.add_pose3({id}, T);
   }
