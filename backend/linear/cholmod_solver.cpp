@@ -14,7 +14,7 @@ namespace {
 
 class CholmodSolver final : public LinearSolver {
  public:
-  explicit CholmodSolver(CholmodFactor kind) {
+  CholmodSolver() {
     cholmod_start(&common_);
     common_.nmethods = 1;
     common_.method[0].ordering = CHOLMOD_NATURAL;  // the pattern already is in elimination order
@@ -22,10 +22,8 @@ class CholmodSolver final : public LinearSolver {
     common_.final_ll = 1;
     common_.print = 0;
 #ifdef CAIRN_WITH_GPL
-    // CHOLMOD_AUTO goes by operations per non-zero of the factor.
-    common_.supernodal = kind == CholmodFactor::kSupernodal ? CHOLMOD_SUPERNODAL : CHOLMOD_AUTO;
+    common_.supernodal = CHOLMOD_AUTO;  // by operations per non-zero of the factor
 #else
-    static_cast<void>(kind);
     common_.supernodal = CHOLMOD_SIMPLICIAL;
 #endif
   }
@@ -74,9 +72,11 @@ class CholmodSolver final : public LinearSolver {
     const std::size_t n = factor_->n;
     if (factor_->is_super != 0) {
       const std::size_t count = factor_->nsuper + 1;
+      const int* px = static_cast<const int*>(factor_->px);
+      panel_begin_.assign(px, px + count);
       return SupernodalFactor{{static_cast<const int*>(factor_->super), count},
                               {static_cast<const int*>(factor_->pi), count},
-                              {static_cast<const int*>(factor_->px), count},
+                              panel_begin_,
                               {static_cast<const int*>(factor_->s), factor_->ssize},
                               static_cast<const double*>(factor_->x)};
     }
@@ -87,9 +87,10 @@ class CholmodSolver final : public LinearSolver {
     cholmod_factor* packed = factor_;  // simplicial: every column is a supernode of its own
     cholmod_change_factor(CHOLMOD_REAL, 1, 0, 1, 1, packed, &common_);
     const std::span<const int> p{static_cast<const int*>(packed->p), n + 1};
+    panel_begin_.assign(p.begin(), p.end());
     return SupernodalFactor{columns_,
                             p,
-                            p,
+                            panel_begin_,
                             {static_cast<const int*>(packed->i), packed->nzmax},
                             static_cast<const double*>(packed->x)};
   }
@@ -116,12 +117,11 @@ class CholmodSolver final : public LinearSolver {
   cholmod_dense* y_workspace_ = nullptr;
   cholmod_dense* e_workspace_ = nullptr;
   mutable std::vector<int> columns_;
+  mutable std::vector<std::size_t> panel_begin_;
 };
 
 }  // namespace
 
-std::unique_ptr<LinearSolver> make_cholmod_solver(CholmodFactor kind) {
-  return std::make_unique<CholmodSolver>(kind);
-}
+std::unique_ptr<LinearSolver> make_cholmod_solver() { return std::make_unique<CholmodSolver>(); }
 
 }  // namespace cairn

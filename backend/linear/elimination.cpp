@@ -134,6 +134,8 @@ Elimination analyze_elimination(const BlockGraph& graph, std::span<const int> or
   elimination.position = inverse_permutation(ordered);
   elimination.parent = elimination_tree(graph, ordered, elimination.position);
   elimination.count = column_counts(graph, ordered, elimination.position, elimination.parent);
+  elimination.supernodes =
+      Supernodes::find(graph, ordered, elimination.position, elimination.parent, elimination.count);
   elimination.method = method;
   return elimination;
 }

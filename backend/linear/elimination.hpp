@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "cairn/linear/block_pattern.hpp"
+#include "cairn/linear/supernodes.hpp"
 
 namespace cairn {
 
@@ -14,7 +15,8 @@ struct Elimination {
   std::vector<int> position;  ///< of each graph block in elimination order, postordered
   std::vector<int> parent;    ///< elimination tree in elimination order, -1 at roots
   std::vector<int> count;     ///< blocks in each column of the factor, the diagonal included
-  std::string_view method;    ///< "amd" or "metis"
+  Supernodes supernodes;
+  std::string_view method;  ///< "amd" or "metis"
 
   /// Block multiplications of a Cholesky factorization (sum of count^2).
   [[nodiscard]] double block_operations() const;
@@ -24,8 +26,8 @@ struct Elimination {
 /// too and the cheaper one kept. Deterministic.
 Elimination find_elimination(const BlockGraph& graph);
 
-/// Postorders `order` (block at each place) by its elimination tree and counts the factor's
-/// columns.
+/// Postorders `order` (block at each place) by its elimination tree, counts the factor's columns
+/// and groups them.
 Elimination analyze_elimination(const BlockGraph& graph, std::span<const int> order,
                                 std::string_view method);
 

@@ -32,7 +32,7 @@ using ConstPanel = Eigen::Map<const Eigen::MatrixXd, 0, Eigen::OuterStride<>>;
 SelectedInverse::SelectedInverse(const SupernodalFactor& factor)
     : factor_(factor),
       supernode_of_(static_cast<std::size_t>(factor.super.back())),
-      values_(static_cast<std::size_t>(factor.px.back())),
+      values_(factor.px.back()),
       place_(static_cast<std::size_t>(factor.super.back())) {
   for (int s = 0; s < factor.supernodes(); ++s) {
     std::fill(supernode_of_.begin() + factor.super[s], supernode_of_.begin() + factor.super[s + 1],
@@ -107,7 +107,7 @@ const double* SelectedInverse::find(int row, int column) const {
   const auto end = factor_.s.begin() + factor_.pi[s + 1];
   const auto at = std::lower_bound(begin, end, row);
   if (at == end || *at != row) return nullptr;
-  return &values_[static_cast<std::size_t>(factor_.px[s]) +
+  return &values_[factor_.px[s] +
                   static_cast<std::size_t>(column - factor_.super[s]) *
                       static_cast<std::size_t>(end - begin) +
                   static_cast<std::size_t>(at - begin)];

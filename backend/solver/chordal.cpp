@@ -70,7 +70,7 @@ class EdgeLeastSquares {
       else
         block(pattern.find(b, a), a) -= w * M;
     }
-    const std::unique_ptr<LinearSolver> linear = make_cholmod_solver();
+    const std::unique_ptr<LinearSolver> linear = make_multifrontal_solver();
     linear->analyze(pattern, elimination_);
     if (!linear->factorize(values.data())) return false;
     for (Eigen::Index k = 0; k < rhs.cols(); ++k)

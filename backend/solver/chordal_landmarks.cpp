@@ -39,7 +39,7 @@ class LeastSquares {
     std::vector<double> values(pattern.value_count(), 0.0);
     Eigen::MatrixXd rhs = Eigen::MatrixXd::Zero(pattern.scalar_size(), right_hand_sides);
     for (const Term& term : terms_) accumulate(term, elimination, pattern, values, rhs);
-    const std::unique_ptr<LinearSolver> linear = make_cholmod_solver();
+    const std::unique_ptr<LinearSolver> linear = make_multifrontal_solver();
     linear->analyze(pattern, elimination);
     if (!linear->factorize(values.data())) return {};
     for (int k = 0; k < right_hand_sides; ++k) linear->solve(rhs.col(k).data(), rhs.col(k).data());

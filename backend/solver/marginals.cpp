@@ -38,7 +38,7 @@ struct Marginals::State {
     pattern = equations.pattern();
     linear.reset();
     if (pattern.size() == 0) return true;
-    linear = make_cholmod_solver(CholmodFactor::kSupernodal);
+    linear = make_multifrontal_solver();
     linear->analyze(pattern, equations.layout().elimination);
     return linear->factorize(equations.values()) &&
            !looks_singular(*linear->factor(), equations.diagonal());

@@ -21,10 +21,17 @@ std::unique_ptr<LinearSolver> make_linear_solver(LinearBackend backend) {
     case LinearBackend::kPcg:
       return make_pcg_solver();
     case LinearBackend::kCholmod:
+      return make_cholmod_solver();
+    case LinearBackend::kMultifrontal:
     case LinearBackend::kCeres:
       break;
   }
-  return make_cholmod_solver();
+  return make_multifrontal_solver();
+}
+
+// Back-ends that do not show their factor cannot see that they fail.
+bool shows_pivots(LinearBackend backend) {
+  return backend == LinearBackend::kMultifrontal || backend == LinearBackend::kCholmod;
 }
 
 // Waking a thread costs as much as a hundred microseconds of linearization: small graphs stay on
@@ -92,7 +99,8 @@ class Optimization {
 
   SolveSummary run() {
     summary_.threads = pool_.threads();
-    summary_.linear = is_available(options_.linear) ? options_.linear : LinearBackend::kCholmod;
+    summary_.linear =
+        is_available(options_.linear) ? options_.linear : LinearBackend::kMultifrontal;
     summary_.components = problem_.components;
     summary_.gauge = problem_.gauge;
     summary_.degrees_of_freedom = degrees_of_freedom(problem_);
@@ -105,9 +113,7 @@ class Optimization {
       return finish();
     }
 #endif
-    // Back-ends without a factor cannot see that they fail.
-    bool check_rank =
-        options_.linear != LinearBackend::kCholmod ? set_aside_free_variables() : true;
+    bool check_rank = shows_pivots(options_.linear) || set_aside_free_variables();
     while (!solve(check_rank)) check_rank = set_aside_free_variables();
     return finish();
   }

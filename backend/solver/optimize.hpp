@@ -15,7 +15,7 @@ namespace cairn {
 SolveSummary optimize(Graph& graph, const SolveOptions& options = {});
 
 /// False for a back-end that this build leaves out (CAIRN_WITH_CERES=OFF); optimize() then takes
-/// CHOLMOD and says so in summary.linear.
+/// the default and says so in summary.linear.
 bool is_available(LinearBackend backend);
 
 /// chi2 of the graph at its current values, in the given chart.

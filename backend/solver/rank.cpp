@@ -55,7 +55,7 @@ std::vector<FreeVariable> locally_free(const NormalEquations& equations) {
 class NullSpace {
  public:
   explicit NullSpace(NormalEquations& equations)
-      : equations_(equations), linear_(make_cholmod_solver()) {
+      : equations_(equations), linear_(make_multifrontal_solver()) {
     linear_->analyze(equations.pattern(), equations.layout().elimination);
   }
 

@@ -9,7 +9,7 @@
 namespace cairn {
 
 enum class Method { kLevenbergMarquardt, kGaussNewton, kDogleg };
-enum class LinearBackend { kCholmod, kCeres, kEigen, kPcg };
+enum class LinearBackend { kMultifrontal, kCholmod, kCeres, kEigen, kPcg };
 enum class InitMethod { kAuto, kFile, kOdometry, kTree, kChordal };
 
 struct IterationReport {
@@ -21,7 +21,7 @@ struct IterationReport {
 
 struct SolveOptions {
   Method method = Method::kLevenbergMarquardt;
-  LinearBackend linear = LinearBackend::kCholmod;
+  LinearBackend linear = LinearBackend::kMultifrontal;
   InitMethod init = InitMethod::kFile;
   int max_iterations = 100;
   RobustLoss loss{};

@@ -32,7 +32,7 @@ std::string_view to_string(InitMethod method) {
 }
 
 std::string_view to_string(LinearBackend backend) {
-  constexpr std::string_view kNames[] = {"cholmod", "ceres", "eigen", "pcg"};
+  constexpr std::string_view kNames[] = {"multifrontal", "cholmod", "ceres", "eigen", "pcg"};
   return name_of(kNames, backend);
 }
 

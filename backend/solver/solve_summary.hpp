@@ -27,7 +27,7 @@ enum class StopReason {
 std::string_view to_string(SolveStatus status);     ///< as in the JSON report: "converged", ...
 std::string_view to_string(StopReason reason);      ///< "small_step", ...
 std::string_view to_string(InitMethod method);      ///< "file", ...
-std::string_view to_string(LinearBackend backend);  ///< "cholmod", ...
+std::string_view to_string(LinearBackend backend);  ///< "multifrontal", ...
 std::string_view to_string(ErrorChart chart);       ///< "g2o", ...
 
 /// A variable that the measurements leave free in some directions.
@@ -65,8 +65,8 @@ struct SolveSummary {
 
   double setup_s = 0.0;     ///< initialization, structure and analysis
   double optimize_s = 0.0;  ///< everything, setup included
-  int threads = 1;  ///< used
-  LinearBackend linear = LinearBackend::kCholmod;
+  int threads = 1;          ///< used
+  LinearBackend linear = LinearBackend::kMultifrontal;
   std::string ordering;  ///< "amd", "metis"; empty where the back-end has none
   std::optional<std::int64_t> factor_nonzeros;  ///< null where the back-end does not tell
 

@@ -10,7 +10,8 @@ namespace {
 
 const Choices<Method> kMethods{
     {"lm", Method::kLevenbergMarquardt}, {"gn", Method::kGaussNewton}, {"dogleg", Method::kDogleg}};
-const Choices<LinearBackend> kBackends{{"cholmod", LinearBackend::kCholmod},
+const Choices<LinearBackend> kBackends{{"multifrontal", LinearBackend::kMultifrontal},
+                                       {"cholmod", LinearBackend::kCholmod},
                                        {"ceres", LinearBackend::kCeres},
                                        {"eigen", LinearBackend::kEigen},
                                        {"pcg", LinearBackend::kPcg}};

@@ -55,6 +55,38 @@ TEST(Elimination, IsPostorderedSoChildrenComeBeforeTheirParentsInOneRun) {
   }
 }
 
+TEST(Supernodes, HoldEveryBlockOfTheFactorAndFewZeros) {
+  for (std::uint32_t seed = 0; seed < 20; ++seed) {
+    SCOPED_TRACE(seed);
+    const test::RandomBlockSystem system(60, seed);
+    const Supernodes& supernodes = system.elimination.supernodes;
+    const auto filled = test::dense_factor_pattern(system.graph, system.elimination.position);
+    ASSERT_EQ(supernodes.first.front(), 0);
+    ASSERT_EQ(supernodes.first.back(), 60);
+    double held = 0.0, needed = 0.0;
+    for (int s = 0; s < supernodes.size(); ++s) {
+      const auto rows = supernodes.rows(s);
+      EXPECT_TRUE(std::is_sorted(rows.begin(), rows.end()));
+      const int last = supernodes.first[s + 1];
+      EXPECT_EQ(supernodes.parent[s] < 0, rows.empty());
+      for (int j = supernodes.first[s]; j < last; ++j) {
+        held += last - j + static_cast<double>(rows.size());
+        for (int i = j; i < 60; ++i) {
+          if (!filled[i][j]) continue;
+          ++needed;
+          EXPECT_TRUE(i < last || std::binary_search(rows.begin(), rows.end(), i))
+              << "block (" << i << ", " << j << ")";
+        }
+      }
+      if (rows.empty()) continue;
+      EXPECT_GE(rows.front(), last);
+      EXPECT_GE(rows.front(), supernodes.first[supernodes.parent[s]]);
+      EXPECT_LT(rows.front(), supernodes.first[supernodes.parent[s] + 1]);
+    }
+    EXPECT_LE(held, 1.5 * needed);
+  }
+}
+
 TEST(Elimination, IsDeterministic) {
   const BlockGraph graph = grid(30);
   const Elimination first = find_elimination(graph), second = find_elimination(graph);

@@ -103,18 +103,24 @@ TEST_P(LinearSolverTest, CountsTheNumbersOfItsFactor) {
 INSTANTIATE_TEST_SUITE_P(
     All, LinearSolverTest,
     ::testing::Values(Backend{"Cholmod", [] { return make_cholmod_solver(); }, 1e-10, true},
-                      Backend{"CholmodSupernodal",
-                              [] { return make_cholmod_solver(CholmodFactor::kSupernodal); }, 1e-10,
+                      Backend{"Multifrontal", [] { return make_multifrontal_solver(); }, 1e-10,
                               true},
                       Backend{"Eigen", [] { return make_eigen_solver(); }, 1e-10, true},
                       Backend{"Pcg", [] { return make_pcg_solver(); }, 1e-5, false}),
     [](const auto& test) { return test.param.name; });
 
 // L L^T rebuilt from the panels is A.
-TEST(CholmodSolver, ShowsAFactorWhoseProductIsTheMatrix) {
-  for (const CholmodFactor kind : {CholmodFactor::kCheapest, CholmodFactor::kSupernodal}) {
-    test::RandomBlockSystem system(40, 11);
-    const auto solver = make_cholmod_solver(kind);
+TEST(SupernodalFactor, IsAFactorWhoseProductIsTheMatrix) {
+  struct Case {
+    std::unique_ptr<LinearSolver> (*make)();
+    int blocks;
+  };
+  // CHOLMOD takes the small one column by column, the large one by supernodes.
+  for (const auto& [make, blocks] :
+       {Case{make_multifrontal_solver, 40}, Case{make_multifrontal_solver, 200},
+        Case{make_cholmod_solver, 40}, Case{make_cholmod_solver, 200}}) {
+    test::RandomBlockSystem system(blocks, 11);
+    const auto solver = make();
     solver->analyze(system.pattern, system.elimination);
     ASSERT_TRUE(solver->factorize(system.values.data()));
     const SupernodalFactor factor = *solver->factor();
@@ -124,7 +130,7 @@ TEST(CholmodSolver, ShowsAFactorWhoseProductIsTheMatrix) {
       for (int c = 0; c < factor.columns(k); ++c) {
         for (int r = c; r < factor.rows(k); ++r) {
           L(factor.s[factor.pi[k] + r], factor.super[k] + c) =
-              factor.x[factor.px[k] + c * factor.rows(k) + r];
+              factor.x[factor.px[k] + static_cast<std::size_t>(c * factor.rows(k) + r)];
         }
         EXPECT_EQ(factor.diagonal(k, c), L(factor.super[k] + c, factor.super[k] + c));
       }

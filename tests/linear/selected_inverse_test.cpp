@@ -61,7 +61,7 @@ struct RandomMatrix {
 TEST(SelectedInverse, EqualsTheDenseInverseOnTheFactorsPattern) {
   for (std::uint32_t seed = 0; seed < 20; ++seed) {
     const RandomMatrix random(3 + static_cast<int>(seed) * 4, 0.5, seed);
-    const auto solver = make_cholmod_solver();
+    const auto solver = make_multifrontal_solver();
     solver->analyze(random.pattern, random.elimination);
     ASSERT_TRUE(solver->factorize(random.values.data())) << "seed " << seed;
     const SelectedInverse inverse(*solver->factor());

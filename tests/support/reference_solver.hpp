@@ -32,25 +32,36 @@ inline Eigen::MatrixXd to_dense(const BlockPattern& pattern, const std::vector<d
   return A;
 }
 
-/// The non-zero blocks of each column of the Cholesky factor, found by eliminating one block after
-/// the other in a full table.
-inline std::vector<int> dense_column_counts(const BlockGraph& graph,
-                                            const std::vector<int>& position) {
+/// [row][column] of the Cholesky factor's non-zero blocks in elimination order, found by
+/// eliminating one block after the other in a full table.
+inline std::vector<std::vector<bool>> dense_factor_pattern(const BlockGraph& graph,
+                                                           const std::vector<int>& position) {
   const int n = graph.size();
   std::vector<std::vector<bool>> filled(n, std::vector<bool>(n, false));
   for (int i = 0; i < n; ++i) {
+    filled[i][i] = true;
     for (int k = graph.begin[i]; k < graph.begin[i + 1]; ++k)
       filled[position[i]][position[graph.neighbors[k]]] = true;
   }
-  std::vector<int> count(n, 1);
   for (int j = 0; j < n; ++j) {
     for (int i = j + 1; i < n; ++i) {
       if (!filled[i][j]) continue;
-      ++count[j];
       for (int l = j + 1; l < n; ++l) {
-        if (l != i && filled[l][j]) filled[i][l] = filled[l][i] = true;
+        if (filled[l][j]) filled[i][l] = filled[l][i] = true;
       }
     }
+  }
+  return filled;
+}
+
+/// How many there are in each column.
+inline std::vector<int> dense_column_counts(const BlockGraph& graph,
+                                            const std::vector<int>& position) {
+  const auto filled = dense_factor_pattern(graph, position);
+  const int n = graph.size();
+  std::vector<int> count(n, 0);
+  for (int j = 0; j < n; ++j) {
+    for (int i = j; i < n; ++i) count[j] += filled[i][j] ? 1 : 0;
   }
   return count;
 }
