@@ -31,7 +31,20 @@ typedef double UnalignedVector
 
 inline Vector load(const double* p) { return *reinterpret_cast<const UnalignedVector*>(p); }
 
-// The first `count` (at most kWidth) numbers.
+// The first `count` (at most kWidth) numbers, zeros behind them.
+inline Vector load(const double* p, int count) {
+#ifdef __AVX512F__
+  return _mm512_maskz_loadu_pd(static_cast<__mmask8>(0xffu >> (kWidth - count)), p);
+#else
+  if (count == kWidth) return load(p);
+  Vector v{};
+  for (int i = 0; i < kWidth - 1; ++i) {
+    if (i < count) v[i] = p[i];
+  }
+  return v;
+#endif
+}
+
 inline void store(double* p, Vector v, int count) {
 #ifdef __AVX512F__
   _mm512_mask_storeu_pd(p, static_cast<__mmask8>(0xffu >> (kWidth - count)), v);
@@ -61,8 +74,9 @@ inline void multiply(int depth, const double* A, const double* B, long ld,
   }
 }
 
-// C(rows, columns) -= A B^T, where `rows` of A (at most kVectors vectors) count.
-template <int kVectors, int columns>
+// C(rows, columns) := base - A B^T, where `rows` of A (at most kVectors vectors) count; base is C
+// or nothing.
+template <int kVectors, int columns, bool base>
 inline void subtract_tile(int rows, int depth, const double* A, const double* B, long ld, double* C,
                           long ldc) {
   Vector sum[kVectors][columns];
@@ -71,18 +85,19 @@ inline void subtract_tile(int rows, int depth, const double* A, const double* B,
     for (int v = 0; v < kVectors; ++v) {
       double* c = C + j * ldc + v * kWidth;
       const int count = rows - v * kWidth;
-      if (count > 0) store(c, load(c) - sum[v][j], count < kWidth ? count : kWidth);
+      if (count <= 0) continue;
+      store(c, base ? load(c) - sum[v][j] : -sum[v][j], count < kWidth ? count : kWidth);
     }
   }
 }
 
-template <int columns>
+template <int columns, bool base>
 inline void subtract_columns(int rows, int depth, const double* A, const double* B, long ld,
                              double* C, long ldc) {
   int i = 0;
   for (; rows - i > kWidth; i += 2 * kWidth)
-    subtract_tile<2, columns>(rows - i, depth, A + i, B, ld, C + i, ldc);
-  if (i < rows) subtract_tile<1, columns>(rows - i, depth, A + i, B, ld, C + i, ldc);
+    subtract_tile<2, columns, base>(rows - i, depth, A + i, B, ld, C + i, ldc);
+  if (i < rows) subtract_tile<1, columns, base>(rows - i, depth, A + i, B, ld, C + i, ldc);
 }
 
 // A square of `columns` by Cholesky, its reciprocal pivots into `inverse`.
@@ -124,11 +139,11 @@ inline void solve_tile(int rows, int depth, const double* A, const double* B, lo
 
 // Columns k .. k + columns of the panel, once those before are done.
 template <int columns>
-inline bool factorize_columns(int m, int k, double* panel) {
+inline bool factorize_columns(int m, int k, double* panel, double* inverse) {
   const long ld = m;
-  double inverse[columns];
+  inverse += k;
   double* square = panel + k * ld + k;
-  subtract_columns<columns>(columns, k, panel + k, panel + k, ld, square, ld);
+  subtract_columns<columns, true>(columns, k, panel + k, panel + k, ld, square, ld);
   if (!factorize_square<columns>(square, ld, inverse)) return false;
   int i = k + columns;
   for (; m - i > kWidth; i += 2 * kWidth)
@@ -138,77 +153,135 @@ inline bool factorize_columns(int m, int k, double* panel) {
   return true;
 }
 
-bool factorize_panel(int m, int n, double* panel) {
+bool factorize_panel(int m, int n, double* panel, double* inverse) {
   int k = 0;
   for (; n - k >= kColumns; k += kColumns) {
-    if (!factorize_columns<kColumns>(m, k, panel)) return false;
+    if (!factorize_columns<kColumns>(m, k, panel, inverse)) return false;
   }
   switch (n - k) {
     case 1:
-      return factorize_columns<1>(m, k, panel);
+      return factorize_columns<1>(m, k, panel, inverse);
     case 2:
-      return factorize_columns<2>(m, k, panel);
+      return factorize_columns<2>(m, k, panel, inverse);
     case 3:
-      return factorize_columns<3>(m, k, panel);
+      return factorize_columns<3>(m, k, panel, inverse);
     case 4:
-      return factorize_columns<4>(m, k, panel);
+      return factorize_columns<4>(m, k, panel, inverse);
     case 5:
-      return factorize_columns<5>(m, k, panel);
+      return factorize_columns<5>(m, k, panel, inverse);
     default:
       return true;
   }
 }
 
-void subtract_square(int m, int n, const double* panel, double* C) {
+void negative_square(int m, int n, const double* panel, double* C) {
   const long ld = m;
   const int size = m - n;
   const double* below = panel + n;
   int j = 0;
   for (; size - j >= kColumns; j += kColumns)
-    subtract_columns<kColumns>(size - j, n, below + j, below + j, ld, C + j * long{size} + j, size);
+    subtract_columns<kColumns, false>(size - j, n, below + j, below + j, ld, C + j * long{size} + j,
+                                      size);
   const double* rest = below + j;
   double* corner = C + j * long{size} + j;
   switch (size - j) {
     case 1:
-      return subtract_columns<1>(1, n, rest, rest, ld, corner, size);
+      return subtract_columns<1, false>(1, n, rest, rest, ld, corner, size);
     case 2:
-      return subtract_columns<2>(2, n, rest, rest, ld, corner, size);
+      return subtract_columns<2, false>(2, n, rest, rest, ld, corner, size);
     case 3:
-      return subtract_columns<3>(3, n, rest, rest, ld, corner, size);
+      return subtract_columns<3, false>(3, n, rest, rest, ld, corner, size);
     case 4:
-      return subtract_columns<4>(4, n, rest, rest, ld, corner, size);
+      return subtract_columns<4, false>(4, n, rest, rest, ld, corner, size);
     case 5:
-      return subtract_columns<5>(5, n, rest, rest, ld, corner, size);
+      return subtract_columns<5, false>(5, n, rest, rest, ld, corner, size);
     default:
       return;
   }
 }
 
-void solve_lower(int m, int n, const double* panel, double* x) {
-  for (int j = 0; j < n; ++j) {
-    const double* L = panel + long{j} * m;
-    const double value = x[j] / L[j];
-    x[j] = value;
-    for (int i = j + 1; i < m; ++i) x[i] -= L[i] * value;
+void add_run(const FrontRun& run, int skipped, const double* from, double* to, long shift) {
+  from += run.from;
+  to += run.to - shift;
+  for (int i = skipped; i < run.length; i += kWidth) {
+    const int left = run.length - i, count = left < kWidth ? left : kWidth;
+    store(to + i, load(to + i) + load(from + i), count);
   }
 }
 
-void solve_upper(int m, int n, const double* panel, double* x) {
-  for (int j = n - 1; j >= 0; --j) {
-    const double* L = panel + long{j} * m;
-    Vector sums{};
-    int i = j + 1;
-    for (; i + kWidth <= m; i += kWidth) sums += load(L + i) * load(x + i);
-    double sum = 0.0;
-    for (int lane = 0; lane < kWidth; ++lane) sum += sums[lane];
-    for (; i < m; ++i) sum += L[i] * x[i];
-    x[j] = (x[j] - sum) / L[j];
+void add_lower(const FrontRun* begin, const FrontRun* end, int first, int last, const double* from,
+               long ld_from, double* to, long ld_to) {
+  for (const FrontRun* columns = begin; columns != end; ++columns) {
+    const int c_first = columns->to < first ? first - columns->to : 0;
+    const int c_last = columns->to + columns->length > last ? last - columns->to : columns->length;
+    for (int c = c_first; c < c_last; ++c) {
+      const double* from_column = from + (columns->from + c) * ld_from;
+      double* to_column = to + (columns->to + c - first) * ld_to;
+      add_run(*columns, c, from_column, to_column, first);
+      for (const FrontRun* rows = columns + 1; rows != end; ++rows)
+        add_run(*rows, 0, from_column, to_column, first);
+    }
   }
+}
+
+// Four columns at a time read and write x a quarter as often.
+constexpr int kSolved = 4;
+
+template <int columns>
+inline void solve_lower_columns(int m, int j, const double* panel, const double* inverse,
+                                double* x) {
+  const double* L[columns];
+  for (int c = 0; c < columns; ++c) L[c] = panel + (j + c) * long{m};
+  for (int c = 0; c < columns; ++c) {
+    double value = x[j + c];
+    for (int p = 0; p < c; ++p) value -= L[p][j + c] * x[j + p];
+    x[j + c] = value * inverse[j + c];
+  }
+  for (int i = j + columns; i < m; i += kWidth) {
+    Vector sum = load(x + i);
+    for (int c = 0; c < columns; ++c) sum -= load(L[c] + i) * x[j + c];
+    store(x + i, sum, m - i < kWidth ? m - i : kWidth);
+  }
+}
+
+template <int columns>
+inline void solve_upper_columns(int m, int j, const double* panel, const double* inverse,
+                                double* x) {
+  const double* L[columns];
+  Vector sum[columns];
+  for (int c = 0; c < columns; ++c) {
+    L[c] = panel + (j + c) * long{m};
+    sum[c] = Vector{};
+  }
+  for (int i = j + columns; i < m; i += kWidth) {
+    const Vector below = load(x + i, m - i < kWidth ? m - i : kWidth);
+    // What is behind the column's end may be anything, also not a number.
+    for (int c = 0; c < columns; ++c)
+      sum[c] += load(L[c] + i, m - i < kWidth ? m - i : kWidth) * below;
+  }
+  for (int c = columns - 1; c >= 0; --c) {
+    double value = x[j + c];
+    for (int lane = 0; lane < kWidth; ++lane) value -= sum[c][lane];
+    for (int p = c + 1; p < columns; ++p) value -= L[c][j + p] * x[j + p];
+    x[j + c] = value * inverse[j + c];
+  }
+}
+
+void solve_lower(int m, int n, const double* panel, const double* inverse, double* x) {
+  int j = 0;
+  for (; n - j >= kSolved; j += kSolved) solve_lower_columns<kSolved>(m, j, panel, inverse, x);
+  for (; j < n; ++j) solve_lower_columns<1>(m, j, panel, inverse, x);
+}
+
+void solve_upper(int m, int n, const double* panel, const double* inverse, double* x) {
+  int j = n;
+  for (; j % kSolved != 0; --j) solve_upper_columns<1>(m, j - 1, panel, inverse, x);
+  for (; j > 0; j -= kSolved) solve_upper_columns<kSolved>(m, j - kSolved, panel, inverse, x);
 }
 
 }  // namespace
 
-extern const FrontKernels CAIRN_FRONT_KERNELS{kName, factorize_panel, subtract_square, solve_lower,
-                                              solve_upper};
+extern const FrontKernels CAIRN_FRONT_KERNELS{kName,     factorize_panel, negative_square,
+                                              add_lower, solve_lower,     solve_upper};
 
 }  // namespace cairn

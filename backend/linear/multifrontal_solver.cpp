@@ -22,6 +22,7 @@ class MultifrontalSolver final : public LinearSolver {
     place_leftovers();
     factor_ = std::make_unique_for_overwrite<double[]>(panel_begin_.back() + kFrontSlack);
     stack_ = std::make_unique_for_overwrite<double[]>(stack_size() + kFrontSlack);
+    inverse_ = std::make_unique_for_overwrite<double[]>(pattern.scalar_size());
     front_.resize(static_cast<std::size_t>(largest_front()) + kFrontSlack);
   }
 
@@ -32,19 +33,22 @@ class MultifrontalSolver final : public LinearSolver {
       const int m = height(s), n = width(s), below = m - n;
       std::fill_n(panel, static_cast<std::size_t>(m) * static_cast<std::size_t>(n), 0.0);
       add_matrix(s, values, panel);
-      const std::size_t area = square(below);
-      double* leftover = stack_.get() + top;
-      std::fill_n(leftover, area, 0.0);
+      const std::size_t children = top;
       for (int child = last_child_[s]; child >= 0; child = previous_sibling_[child]) {
-        top -= square(height(child) - width(child));
-        add_leftover(child, stack_.get() + top, panel, m, n, leftover);
+        top -= leftover_area(child);
+        add_leftover(child, stack_.get() + top, 0, n, panel, m);
       }
-      if (!kernels_.factorize_panel(m, n, panel)) return false;
+      if (!kernels_.factorize_panel(m, n, panel, inverse_.get() + column_begin_[s])) return false;
       if (below == 0) continue;
-      kernels_.subtract_square(m, n, panel, leftover);
-      double* place = stack_.get() + top;
-      if (place != leftover) std::copy_n(leftover, area, place);
-      top += area;
+      double* leftover = stack_.get() + children;
+      kernels_.negative_square(m, n, panel, leftover);
+      std::size_t place = children;
+      for (int child = last_child_[s]; child >= 0; child = previous_sibling_[child]) {
+        place -= leftover_area(child);
+        add_leftover(child, stack_.get() + place, n, m, leftover, below);
+      }
+      if (top != children) std::copy_n(leftover, square(below), stack_.get() + top);
+      top += square(below);
     }
     return true;
   }
@@ -56,13 +60,15 @@ class MultifrontalSolver final : public LinearSolver {
       const int m = height(s), n = width(s);
       const int* rows = rows_.data() + row_begin_[s];
       gather(x, rows, m, front);
-      kernels_.solve_lower(m, n, factor_.get() + panel_begin_[s], front);
+      kernels_.solve_lower(m, n, factor_.get() + panel_begin_[s], inverse_.get() + column_begin_[s],
+                           front);
       for (int i = 0; i < m; ++i) x[rows[i]] = front[i];
     }
     for (int s = supernodes_.size() - 1; s >= 0; --s) {
       const int m = height(s), n = width(s);
       gather(x, rows_.data() + row_begin_[s], m, front);
-      kernels_.solve_upper(m, n, factor_.get() + panel_begin_[s], front);
+      kernels_.solve_upper(m, n, factor_.get() + panel_begin_[s], inverse_.get() + column_begin_[s],
+                           front);
       std::copy_n(front, n, x + column_begin_[s]);
     }
   }
@@ -81,16 +87,12 @@ class MultifrontalSolver final : public LinearSolver {
   }
 
  private:
-  // `length` numbers in one column.
-  struct Run {
-    int from, to, length;
-  };
-
   [[nodiscard]] int height(int s) const { return row_begin_[s + 1] - row_begin_[s]; }
   [[nodiscard]] int width(int s) const { return column_begin_[s + 1] - column_begin_[s]; }
   static std::size_t square(int n) {
     return static_cast<std::size_t>(n) * static_cast<std::size_t>(n);
   }
+  [[nodiscard]] std::size_t leftover_area(int s) const { return square(height(s) - width(s)); }
   static void gather(const double* x, const int* rows, int count, double* front) {
     for (int i = 0; i < count; ++i) front[i] = x[rows[i]];
   }
@@ -132,7 +134,7 @@ class MultifrontalSolver final : public LinearSolver {
     }
   }
 
-  static void append(std::vector<Run>& runs, std::size_t begin, Run run) {
+  static void append(std::vector<FrontRun>& runs, std::size_t begin, FrontRun run) {
     if (runs.size() > begin && runs.back().from + runs.back().length == run.from &&
         runs.back().to + runs.back().length == run.to)
       runs.back().length += run.length;
@@ -183,10 +185,10 @@ class MultifrontalSolver final : public LinearSolver {
   [[nodiscard]] std::size_t stack_size() const {
     std::size_t top = 0, largest = 0;
     for (int s = 0; s < supernodes_.size(); ++s) {
-      const std::size_t area = square(height(s) - width(s));
+      const std::size_t area = leftover_area(s);
       largest = std::max(largest, top + area);
       for (int child = last_child_[s]; child >= 0; child = previous_sibling_[child])
-        top -= square(height(child) - width(child));
+        top -= leftover_area(child);
       top += area;
     }
     return largest;
@@ -206,7 +208,7 @@ class MultifrontalSolver final : public LinearSolver {
       double* to = panel + static_cast<std::size_t>(own) * static_cast<std::size_t>(m);
       for (int column = 0; column < pattern_->dimension[j]; ++column) {
         for (std::size_t r = matrix_run_begin_[j]; r < matrix_run_begin_[j + 1]; ++r) {
-          const Run& run = matrix_runs_[r];
+          const FrontRun& run = matrix_runs_[r];
           for (int i = 0; i < run.length; ++i) to[run.to + i] = from[run.from + i];
         }
         from += pattern_->height[j];
@@ -215,30 +217,12 @@ class MultifrontalSolver final : public LinearSolver {
     }
   }
 
-  static void add(const Run& run, int first, const double* from, double* to, int skipped) {
-    from += run.from;
-    to += run.to - skipped;
-    for (int i = first; i < run.length; ++i) to[i] += from[i];
-  }
-
-  // The lower triangle that `child` left over, into the front of its parent (m rows, n of them
-  // eliminated there).
-  void add_leftover(int child, const double* source, double* panel, int m, int n,
-                    double* leftover) const {
-    const Run* begin = leftover_runs_.data() + leftover_run_begin_[child];
-    const Run* end = leftover_runs_.data() + leftover_run_begin_[child + 1];
-    const std::size_t size = static_cast<std::size_t>(height(child) - width(child));
-    for (const Run* columns = begin; columns != end; ++columns) {
-      for (int c = 0; c < columns->length; ++c) {
-        const double* from = source + static_cast<std::size_t>(columns->from + c) * size;
-        const int column = columns->to + c;
-        const int skipped = column < n ? 0 : n;  // the front's rows above the leftover
-        double* to = column < n ? panel + static_cast<std::size_t>(column) * m
-                                : leftover + static_cast<std::size_t>(column - n) * (m - n);
-        add(*columns, c, from, to, skipped);
-        for (const Run* rows = columns + 1; rows != end; ++rows) add(*rows, 0, from, to, skipped);
-      }
-    }
+  // Columns first .. last of the parent's front from what `child` left over.
+  void add_leftover(int child, const double* source, int first, int last, double* to,
+                    int ld) const {
+    kernels_.add_lower(leftover_runs_.data() + leftover_run_begin_[child],
+                       leftover_runs_.data() + leftover_run_begin_[child + 1], first, last, source,
+                       height(child) - width(child), to, ld);
   }
 
   const FrontKernels& kernels_ = *runnable_front_kernels().back();
@@ -246,12 +230,13 @@ class MultifrontalSolver final : public LinearSolver {
   Supernodes supernodes_;
   std::vector<int> column_begin_, row_begin_, rows_;  ///< in scalars, as in SupernodalFactor
   std::vector<std::size_t> panel_begin_;
-  std::vector<Run> matrix_runs_;                 ///< from a column of A to a column of its panel
+  std::vector<FrontRun> matrix_runs_;            ///< from a column of A to a column of its panel
   std::vector<std::size_t> matrix_run_begin_;    ///< by block column
-  std::vector<Run> leftover_runs_;               ///< from rows below to rows of the parent's front
+  std::vector<FrontRun> leftover_runs_;          ///< from rows below to rows of the parent's front
   std::vector<std::size_t> leftover_run_begin_;  ///< by supernode
   std::vector<int> last_child_, previous_sibling_;
   std::unique_ptr<double[]> factor_, stack_;
+  std::unique_ptr<double[]> inverse_;  ///< reciprocal diagonal of the factor
   std::vector<double> front_;
 };
 

@@ -27,6 +27,7 @@ struct Front {
               .transpose();
     b = Eigen::VectorXd::NullaryExpr(m, [&] { return normal(random); });
     panel = padded(A.leftCols(n));
+    inverse.resize(n);
   }
 
   // Column-major numbers with something behind their end that must not matter or change.
@@ -39,7 +40,7 @@ struct Front {
   int m, n;
   Eigen::MatrixXd A, L11, L21;
   Eigen::VectorXd b;
-  std::vector<double> panel;
+  std::vector<double> panel, inverse;
 };
 
 void expect_slack_untouched(const std::vector<double>& numbers) {
@@ -60,7 +61,7 @@ TEST_P(FrontKernelsTest, EqualDenseCholeskyAtEverySize) {
   for (const auto& [m, n] : sizes()) {
     SCOPED_TRACE(::testing::Message() << m << " rows, " << n << " eliminated");
     Front front(m, n, static_cast<std::uint32_t>(100 * m + n));
-    ASSERT_TRUE(GetParam()->factorize_panel(m, n, front.panel.data()));
+    ASSERT_TRUE(GetParam()->factorize_panel(m, n, front.panel.data(), front.inverse.data()));
     const Eigen::Map<const Eigen::MatrixXd> panel(front.panel.data(), m, n);
     const double tolerance = 1e-10 * front.A.norm();
     const Eigen::MatrixXd L11 = panel.topRows(n).triangularView<Eigen::Lower>();
@@ -69,25 +70,49 @@ TEST_P(FrontKernelsTest, EqualDenseCholeskyAtEverySize) {
     expect_slack_untouched(front.panel);
 
     const int below = m - n;
-    std::vector<double> C = Front::padded(front.A.bottomRightCorner(below, below));
-    GetParam()->subtract_square(m, n, front.panel.data(), C.data());
-    const Eigen::MatrixXd difference =
-        Eigen::Map<const Eigen::MatrixXd>(C.data(), below, below) -
-        (front.A.bottomRightCorner(below, below) - front.L21 * front.L21.transpose());
+    std::vector<double> C = Front::padded(Eigen::MatrixXd::Zero(below, below));
+    GetParam()->negative_square(m, n, front.panel.data(), C.data());
+    const Eigen::MatrixXd difference = Eigen::Map<const Eigen::MatrixXd>(C.data(), below, below) +
+                                       front.L21 * front.L21.transpose();
     EXPECT_LT(Eigen::MatrixXd(difference.triangularView<Eigen::Lower>()).norm(), tolerance);
     expect_slack_untouched(C);
   }
+}
+
+TEST_P(FrontKernelsTest, AddAChildsRowsAndColumnsWhereTheyBelong) {
+  // 30 rows of a child in a front of 50, of which the first 20 are eliminated.
+  const std::vector<FrontRun> runs{{0, 2, 3}, {3, 9, 6}, {9, 18, 9}, {18, 30, 1}, {19, 33, 11}};
+  const int child = 30, m = 50, n = 20;
+  const Front front(child, 1, 5);
+  Eigen::MatrixXd expected = Eigen::MatrixXd::Zero(m, m);
+  std::vector<int> place;
+  for (const FrontRun& run : runs)
+    for (int i = 0; i < run.length; ++i) place.push_back(run.to + i);
+  for (int c = 0; c < child; ++c)
+    for (int r = c; r < child; ++r) expected(place[r], place[c]) = front.A(r, c);
+
+  const std::vector<double> from = Front::padded(front.A);
+  std::vector<double> panel = Front::padded(Eigen::MatrixXd::Zero(m, n));
+  std::vector<double> leftover = Front::padded(Eigen::MatrixXd::Zero(m - n, m - n));
+  const FrontRun* end = runs.data() + runs.size();
+  GetParam()->add_lower(runs.data(), end, 0, n, from.data(), child, panel.data(), m);
+  GetParam()->add_lower(runs.data(), end, n, m, from.data(), child, leftover.data(), m - n);
+  EXPECT_EQ(Eigen::Map<Eigen::MatrixXd>(panel.data(), m, n), expected.leftCols(n));
+  EXPECT_EQ(Eigen::Map<Eigen::MatrixXd>(leftover.data(), m - n, m - n),
+            expected.bottomRightCorner(m - n, m - n));
+  expect_slack_untouched(panel);
+  expect_slack_untouched(leftover);
 }
 
 TEST_P(FrontKernelsTest, SolveWithTheFactorAtEverySize) {
   for (const auto& [m, n] : sizes()) {
     SCOPED_TRACE(::testing::Message() << m << " rows, " << n << " eliminated");
     Front front(m, n, static_cast<std::uint32_t>(100 * m + n));
-    ASSERT_TRUE(GetParam()->factorize_panel(m, n, front.panel.data()));
+    ASSERT_TRUE(GetParam()->factorize_panel(m, n, front.panel.data(), front.inverse.data()));
     const double tolerance = 1e-8 * front.b.norm();
 
     std::vector<double> x = Front::padded(front.b);
-    GetParam()->solve_lower(m, n, front.panel.data(), x.data());
+    GetParam()->solve_lower(m, n, front.panel.data(), front.inverse.data(), x.data());
     Eigen::VectorXd expected = front.b;
     expected.head(n) = front.L11.triangularView<Eigen::Lower>().solve(front.b.head(n));
     expected.tail(m - n) -= front.L21 * expected.head(n);
@@ -95,7 +120,7 @@ TEST_P(FrontKernelsTest, SolveWithTheFactorAtEverySize) {
     expect_slack_untouched(x);
 
     x = Front::padded(front.b);
-    GetParam()->solve_upper(m, n, front.panel.data(), x.data());
+    GetParam()->solve_upper(m, n, front.panel.data(), front.inverse.data(), x.data());
     expected = front.b;
     const Eigen::MatrixXd U11 = front.L11.transpose();
     const Eigen::VectorXd rest = front.b.head(n) - front.L21.transpose() * front.b.tail(m - n);
@@ -112,7 +137,7 @@ TEST_P(FrontKernelsTest, RefuseWhatIsNotPositiveDefinite) {
       for (int place = 0; place < n; ++place) {
         Front front(20, n, 3);
         front.panel[static_cast<std::size_t>(place * 21)] = wrong;
-        EXPECT_FALSE(GetParam()->factorize_panel(20, n, front.panel.data()))
+        EXPECT_FALSE(GetParam()->factorize_panel(20, n, front.panel.data(), front.inverse.data()))
             << wrong << " at " << place << " of " << n;
       }
     }
