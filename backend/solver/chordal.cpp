@@ -34,14 +34,16 @@ class EdgeLeastSquares {
 
   // x holds d rows per pose; the rows of held poses are given, the others are solved for.
   // matrix(edge) is M, constant(edge) is c (d x k), weight(edge) > 0.
-  template <int d, class Matrix, class Constant, class Weight>
-  bool solve(Eigen::MatrixXd& x, Matrix matrix, Constant constant, Weight weight) const {
+  template <int d, int k, class Matrix, class Constant, class Weight>
+  bool solve(Eigen::Matrix<double, Eigen::Dynamic, k>& x, Matrix matrix, Constant constant,
+             Weight weight) const {
     const std::vector<int> dimensions(static_cast<std::size_t>(blocks_.size()), d);
     const BlockPattern pattern = BlockPattern::build(blocks_, elimination_.position, dimensions);
     std::vector<double> values(pattern.value_count(), 0.0);
-    Eigen::MatrixXd rhs = Eigen::MatrixXd::Zero(pattern.scalar_size(), x.cols());
+    Eigen::Matrix<double, Eigen::Dynamic, k> rhs(pattern.scalar_size(), k);
+    rhs.setZero();
     using Block = Eigen::Matrix<double, d, d>;
-    using Rows = Eigen::Matrix<double, d, Eigen::Dynamic>;
+    using Rows = Eigen::Matrix<double, d, k>;
     const auto block = [&](int entry, int column) {
       return Eigen::Map<Block, 0, Eigen::OuterStride<>>(
           values.data() + pattern.value_begin[column] +
@@ -53,15 +55,16 @@ class EdgeLeastSquares {
       const Block M = matrix(edge);
       const Rows c = constant(edge);
       const int a = position(edge.measured.a), b = position(edge.measured.b);
-      const Rows x_a = x.middleRows<d>(d * edge.measured.a),
-                 x_b = x.middleRows<d>(d * edge.measured.b);
+      const Rows x_a = x.template middleRows<d>(d * edge.measured.a);
+      const Rows x_b = x.template middleRows<d>(d * edge.measured.b);
       if (a >= 0) {
         block(pattern.column_begin[a], a) += w * (M.transpose() * M);
-        rhs.middleRows<d>(d * a) += w * M.transpose() * ((b < 0 ? x_b : Rows(0.0 * x_b)) - c);
+        rhs.template middleRows<d>(d * a) +=
+            w * M.transpose() * ((b < 0 ? x_b : Rows(Rows::Zero())) - c);
       }
       if (b >= 0) {
         block(pattern.column_begin[b], b) += w * Block::Identity();
-        rhs.middleRows<d>(d * b) += w * (c + (a < 0 ? Rows(M * x_a) : Rows(0.0 * x_a)));
+        rhs.template middleRows<d>(d * b) += w * (c + (a < 0 ? Rows(M * x_a) : Rows(Rows::Zero())));
       }
       if (a < 0 || b < 0) continue;
       if (a > b)
@@ -73,12 +76,12 @@ class EdgeLeastSquares {
     const std::unique_ptr<LinearSolver> linear = make_multifrontal_solver();
     linear->analyze(pattern, elimination_);
     if (!linear->factorize(values.data())) return false;
-    for (Eigen::Index k = 0; k < rhs.cols(); ++k)
-      linear->solve(rhs.col(k).data(), rhs.col(k).data());
+    for (int column = 0; column < k; ++column)
+      linear->solve(rhs.col(column).data(), rhs.col(column).data());
     for (std::size_t pose = 0; pose < block_of_.size(); ++pose) {
       if (block_of_[pose] < 0) continue;
       const auto index = static_cast<std::uint32_t>(pose);
-      x.middleRows<d>(d * index) = rhs.middleRows<d>(d * position(index));
+      x.template middleRows<d>(d * index) = rhs.template middleRows<d>(d * position(index));
     }
     return rhs.allFinite();
   }
@@ -100,19 +103,19 @@ using Edge3 = RelativePoseGraph<Se3>::Edge;
 // Rotations in the plane as (cos, sin), which relaxes to any point: x_b = R(measured) x_a.
 bool solve_rotations(const RelativePoseGraph<Se2>& graph, const EdgeLeastSquares<Se2>& system,
                      std::vector<So2>& rotations) {
-  Eigen::MatrixXd x(2 * graph.held.size(), 1);
+  Eigen::VectorXd x(2 * graph.held.size());
   for (std::size_t i = 0; i < rotations.size(); ++i) {
     x.middleRows<2>(static_cast<Eigen::Index>(2 * i)) =
         Eigen::Vector2d(rotations[i].cos(), rotations[i].sin());
   }
-  const bool solved = system.solve<2>(
+  const bool solved = system.solve<2, 1>(
       x, [](const Edge2& edge) { return edge.measured.T_a_b.rotation().matrix(); },
       [](const Edge2&) { return Eigen::Vector2d::Zero(); },
       [](const Edge2& edge) { return edge.measured.rotation_weight; });
   if (!solved) return false;
   for (std::size_t i = 0; i < rotations.size(); ++i) {
     const auto row = static_cast<Eigen::Index>(2 * i);
-    if (!graph.held[i]) rotations[i] = So2(std::atan2(x(row + 1, 0), x(row, 0)));
+    if (!graph.held[i]) rotations[i] = So2(std::atan2(x[row + 1], x[row]));
   }
   return true;
 }
@@ -121,11 +124,11 @@ bool solve_rotations(const RelativePoseGraph<Se2>& graph, const EdgeLeastSquares
 // x_a.
 bool solve_rotations(const RelativePoseGraph<Se3>& graph, const EdgeLeastSquares<Se3>& system,
                      std::vector<So3>& rotations) {
-  Eigen::MatrixXd x(3 * graph.held.size(), 3);
+  Eigen::Matrix<double, Eigen::Dynamic, 3> x(3 * graph.held.size(), 3);
   for (std::size_t i = 0; i < rotations.size(); ++i) {
     x.middleRows<3>(static_cast<Eigen::Index>(3 * i)) = rotations[i].matrix().transpose();
   }
-  const bool solved = system.solve<3>(
+  const bool solved = system.solve<3, 3>(
       x,
       [](const Edge3& edge) {
         return Eigen::Matrix3d(edge.measured.T_a_b.rotation().matrix().transpose());
@@ -186,14 +189,14 @@ bool chordal_poses(const RelativePoseGraph<Pose>& source, const Elimination& kno
   const EdgeLeastSquares<Pose> system(graph, known);
   std::vector<Rotation> rotations;
   rotations.reserve(poses.size());
-  Eigen::MatrixXd positions(poses.size(), d);
+  Eigen::Matrix<double, Eigen::Dynamic, d> positions(poses.size(), d);
   for (std::size_t i = 0; i < poses.size(); ++i) {
     rotations.push_back(poses[i].rotation());
     positions.row(static_cast<Eigen::Index>(i)) = poses[i].translation();
   }
   if (!solve_rotations(graph, system, rotations)) return false;
   using Edge = typename RelativePoseGraph<Pose>::Edge;
-  const bool solved = system.template solve<1>(
+  const bool solved = system.template solve<1, d>(
       positions, [](const Edge&) { return Eigen::Matrix<double, 1, 1>::Identity(); },
       [&](const Edge& edge) -> Eigen::Matrix<double, 1, d> {
         const Translation moved = rotations[edge.measured.a] * edge.measured.T_a_b.translation();
