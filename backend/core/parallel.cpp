@@ -2,24 +2,37 @@
 #include "cairn/core/parallel.hpp"
 
 #include <atomic>
+#include <limits>
 #include <thread>
 #include <vector>
+
+#include "cairn/core/check.hpp"
 
 namespace cairn {
 
 // Workers spin briefly before they sleep: one linearization takes tens of microseconds, a wake-up
-// about as long.
+// about as long. The caller waits for items that somebody has begun, never for a worker that the
+// machine has no time for.
 struct ThreadPool::State {
   std::vector<std::jthread> workers;
-  std::atomic<std::uint32_t> generation{0};
+  std::atomic<std::uint32_t> generation{0};  ///< of runs; workers sleep on it
   std::atomic<bool> stopping{false};
-  std::atomic<std::size_t> next{0};
-  std::atomic<int> busy{0};
-  std::size_t count = 0;
+  std::atomic<std::uint32_t> unclaimed{0};
+  std::atomic<std::uint32_t> unfinished{0};
+  // Of the current run; they stay until its last claimed item is finished.
+  std::uint32_t count = 0;
   const std::function<void(std::size_t)>* body = nullptr;
 
   void drain() {
-    for (std::size_t i = next.fetch_add(1); i < count; i = next.fetch_add(1)) (*body)(i);
+    std::uint32_t left = unclaimed.load(std::memory_order_acquire);
+    while (left > 0) {
+      if (!unclaimed.compare_exchange_weak(left, left - 1, std::memory_order_acq_rel,
+                                           std::memory_order_acquire))
+        continue;
+      (*body)(count - left);
+      if (unfinished.fetch_sub(1, std::memory_order_acq_rel) == 1) unfinished.notify_one();
+      left = unclaimed.load(std::memory_order_acquire);
+    }
   }
 
   void work() {
@@ -32,8 +45,6 @@ struct ThreadPool::State {
       seen = generation.load(std::memory_order_acquire);
       if (stopping) return;
       drain();
-      busy.fetch_sub(1, std::memory_order_release);
-      busy.notify_one();
     }
   }
 };
@@ -57,16 +68,17 @@ void ThreadPool::run(std::size_t count, const std::function<void(std::size_t)>& 
     for (std::size_t i = 0; i < count; ++i) body(i);
     return;
   }
-  state_->count = count;
+  CAIRN_CHECK(count <= std::numeric_limits<std::uint32_t>::max(), "too many items for one run");
+  state_->count = static_cast<std::uint32_t>(count);
   state_->body = &body;
-  state_->next = 0;
-  state_->busy = static_cast<int>(state_->workers.size());
+  state_->unfinished.store(state_->count, std::memory_order_relaxed);
+  state_->unclaimed.store(state_->count, std::memory_order_release);
   state_->generation.fetch_add(1, std::memory_order_release);
   state_->generation.notify_all();
   state_->drain();
-  for (int left = state_->busy; left > 0; left = state_->busy.load(std::memory_order_acquire)) {
-    if (left > 0) state_->busy.wait(left, std::memory_order_acquire);
-  }
+  for (std::uint32_t left = state_->unfinished.load(std::memory_order_acquire); left > 0;
+       left = state_->unfinished.load(std::memory_order_acquire))
+    state_->unfinished.wait(left, std::memory_order_acquire);
 }
 
 }  // namespace cairn
