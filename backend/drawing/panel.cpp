@@ -117,6 +117,7 @@ void draw_truth(Canvas& canvas, const Window& window, const std::vector<Path>& t
 void draw_dots(Canvas& canvas, const Window& window, const std::vector<Vector3d>& points,
                double radius, const Color& color) {
   std::vector<Stroke> dots;
+  dots.reserve(points.size());
   for (const Vector3d& p_map : points) dots.push_back(stroke_between(window, p_map, p_map, 0));
   drop_covered(dots, kCell, canvas.segment_budget());
   for (const Stroke& dot : dots) canvas.disk(dot.line.a, radius, faded(color, dot.depth));

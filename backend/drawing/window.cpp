@@ -22,7 +22,7 @@ double Window::depth(const Vector3d& p_map) const {
 
 Window fit_window(const std::vector<Vector3d>& points, const Projection& projection,
                   const Rect& rect) {
-  constexpr double kMargin = 0.04, kSmallest_m = 1.0;
+  constexpr double kMargin = 0.04, kSmallestM = 1.0;
   Vector3d low = projection * points.front(), high = low;
   for (const Vector3d& p_map : points) {
     const Vector3d p_view = projection * p_map;
@@ -30,7 +30,7 @@ Window fit_window(const std::vector<Vector3d>& points, const Projection& project
     high = high.cwiseMax(p_view);
   }
   Vector2d extent_m = (high - low).head<2>();
-  if (extent_m.maxCoeff() <= 0.0) extent_m.setConstant(kSmallest_m);
+  if (extent_m.maxCoeff() <= 0.0) extent_m.setConstant(kSmallestM);
   const Vector2d room = Vector2d(rect.width, rect.height) * (1 - 2 * kMargin);
   return {.projection = projection,
           .rect = rect,

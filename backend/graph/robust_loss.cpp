@@ -35,12 +35,14 @@ Result<RobustLoss> RobustLoss::parse(const std::string& text) {
       const char* end = text.data() + text.size();
       const auto [rest, status] = std::from_chars(text.data() + colon + 1, end, width);
       if (status != std::errc() || rest != end || !(width > 0.0) || !std::isfinite(width)) {
-        return Error{ErrorCode::kUsage, "loss width '" + text.substr(colon + 1) + "' is not a positive number"};
+        return Error{ErrorCode::kUsage,
+                     "loss width '" + text.substr(colon + 1) + "' is not a positive number"};
       }
     }
     return RobustLoss(loss.kind, width);
   }
-  return Error{ErrorCode::kUsage, "unknown loss '" + name + "'; choose none, huber, cauchy, geman-mcclure, tukey or dcs"};
+  return Error{ErrorCode::kUsage, "unknown loss '" + name +
+                                      "'; choose none, huber, cauchy, geman-mcclure, tukey or dcs"};
 }
 
 RobustLoss::Value RobustLoss::evaluate(double s) const {

@@ -58,8 +58,9 @@ TYPED_TEST(OptimizeTest, ReachesTheSameOptimumWithEveryMethodAndLinearBackend) {
   const double chi2 = optimize(reference).final_chi2;
   EXPECT_GT(chi2, 1e-3);
   for (const Method method : {Method::kLevenbergMarquardt, Method::kGaussNewton, Method::kDogleg}) {
-    for (const LinearBackend linear : {LinearBackend::kCholmod, LinearBackend::kEigen,
-                                       LinearBackend::kPcg, LinearBackend::kCeres}) {
+    for (const LinearBackend linear :
+         {LinearBackend::kMultifrontal, LinearBackend::kCholmod, LinearBackend::kEigen,
+          LinearBackend::kPcg, LinearBackend::kCeres}) {
       if (!is_available(linear)) continue;
       Graph graph = start;
       const SolveSummary summary = optimize(graph, {.method = method, .linear = linear});

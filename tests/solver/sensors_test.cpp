@@ -23,8 +23,9 @@ TEST_P(SolveWithSensor, ReachesTheSameOptimumWithEveryMethodAndLinearBackend) {
   // From the truth: Gauss-Newton promises nothing from afar.
   Graph reference = world->true_graph();
   const double chi2 = optimize(reference).final_chi2;
-  for (const LinearBackend linear : {LinearBackend::kCholmod, LinearBackend::kEigen,
-                                     LinearBackend::kPcg, LinearBackend::kCeres}) {
+  for (const LinearBackend linear :
+       {LinearBackend::kMultifrontal, LinearBackend::kCholmod, LinearBackend::kEigen,
+        LinearBackend::kPcg, LinearBackend::kCeres}) {
     if (!is_available(linear)) continue;
     for (const Method method :
          {Method::kLevenbergMarquardt, Method::kGaussNewton, Method::kDogleg}) {

@@ -116,7 +116,8 @@ TEST(StopReason, IsNotFiniteWhereTheStartHasNoCost) {
 }
 
 TEST(StopReason, IsNotFiniteWhereTheStartHasNoGradient) {
-  for (const LinearBackend linear : {LinearBackend::kCholmod, LinearBackend::kEigen}) {
+  for (const LinearBackend linear :
+       {LinearBackend::kMultifrontal, LinearBackend::kCholmod, LinearBackend::kEigen}) {
     for (const Method method : kMethods) {
       Graph graph = broken(BrokenPosition::Fault::kJacobianNotFinite);
       const SolveSummary summary = optimize(graph, {.method = method, .linear = linear});
