@@ -18,7 +18,8 @@ class EigenSolver final : public LinearSolver {
 
   bool factorize(const double* values) override {
     ldlt_.factorize(view(values));
-    return ldlt_.info() == Eigen::Success && ldlt_.vectorD().minCoeff() > 0.0;
+    factorized_ = ldlt_.info() == Eigen::Success;
+    return factorized_ && ldlt_.vectorD().minCoeff() > 0.0;
   }
 
   void solve(const double* b, double* x) override {
@@ -27,6 +28,7 @@ class EigenSolver final : public LinearSolver {
   }
 
   [[nodiscard]] std::optional<std::int64_t> factor_nonzeros() const override {
+    if (!factorized_) return std::nullopt;
     return static_cast<std::int64_t>(ldlt_.matrixL().nestedExpression().nonZeros()) + size_;
   }
 
@@ -44,6 +46,7 @@ class EigenSolver final : public LinearSolver {
 
   ScalarPattern scalar_;
   int size_ = 0;
+  bool factorized_ = false;
   Eigen::SimplicialLDLT<Matrix, Eigen::Lower, Eigen::NaturalOrdering<int>> ldlt_;
 };
 

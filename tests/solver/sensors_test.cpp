@@ -18,7 +18,7 @@ INSTANTIATE_TEST_SUITE_P(Sensors, SolveWithSensor, testing::ValuesIn(sensor_name
 
 TEST_P(SolveWithSensor, ReachesTheSameOptimumWithEveryMethodAndLinearBackend) {
   const auto world =
-      simulate({.world = World::kLandmarks, .poses = 90, .sensor = *find_sensor(GetParam())});
+      simulate({.world = World::kLandmarks, .poses = 48, .sensor = *find_sensor(GetParam())});
   ASSERT_TRUE(world);
   // From the truth: Gauss-Newton promises nothing from afar.
   Graph reference = world->true_graph();
