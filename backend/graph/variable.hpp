@@ -69,7 +69,11 @@ struct VariableTraits<VariableType::kPoint3> {
 
 inline Se2 retract(const Se2& T, const Eigen::Vector3d& delta) { return T.retract(delta); }
 inline Se3 retract(const Se3& T, const Se3::Tangent& delta) { return T.retract(delta); }
-inline Eigen::Vector2d retract(const Eigen::Vector2d& p, const Eigen::Vector2d& delta) { return p + delta; }
-inline Eigen::Vector3d retract(const Eigen::Vector3d& p, const Eigen::Vector3d& delta) { return p + delta; }
+inline Eigen::Vector2d retract(const Eigen::Vector2d& p, const Eigen::Vector2d& delta) {
+  return p + delta;
+}
+inline Eigen::Vector3d retract(const Eigen::Vector3d& p, const Eigen::Vector3d& delta) {
+  return p + delta;
+}
 
 }  // namespace cairn
