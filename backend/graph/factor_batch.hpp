@@ -14,9 +14,6 @@
 
 namespace cairn {
 
-/// Where a relative factor comes from. Set by the sender; for files by classify_factor_kinds().
-enum class FactorKind : std::uint8_t { kOdometry, kLoop, kOther };
-
 /// The rotation part of SE(3) errors (backend/geometry/README.md, "error charts").
 enum class ErrorChart : std::uint8_t { kG2o, kLog, kGtsam };
 

@@ -3,26 +3,14 @@
 
 #include <Eigen/Core>
 #include <cstdint>
-#include <string_view>
 #include <vector>
 
 #include "cairn/core/ids.hpp"
 #include "cairn/geometry/se2.hpp"
 #include "cairn/geometry/se3.hpp"
+#include "cairn/graph/kinds.hpp"
 
 namespace cairn {
-
-enum class VariableType : std::uint8_t { kPose2, kPose3, kPoint2, kPoint3 };
-
-/// Dimension of the tangent space: 3, 6, 2, 3.
-constexpr int tangent_dimension(VariableType type) {
-  constexpr int kDimensions[] = {3, 6, 2, 3};
-  return kDimensions[static_cast<int>(type)];
-}
-constexpr bool is_pose(VariableType type) {
-  return type == VariableType::kPose2 || type == VariableType::kPose3;
-}
-std::string_view to_string(VariableType type);
 
 /// One variable of a graph. Its value is values().<type>[index].
 struct Variable {
