@@ -33,6 +33,7 @@ const std::map<std::string, Rooms>& allowed_rooms() {
       {"drawing", kModel},
       {"io", with(kModel, {"factors", "maps"})},
       {"journal", with(kModel, {"factors"})},
+      {"replay", with(kModel, {"factors", "linear", "solver"})},
       {"evaluation", with(kModel, {"factors", "io", "linear", "solver"})},
       {"diagnostics", with(kModel, {"factors", "io", "linear", "solver"})},
   };

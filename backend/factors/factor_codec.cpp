@@ -1,0 +1,358 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "cairn/factors/factor_codec.hpp"
+
+#include <array>
+#include <cmath>
+
+#include "cairn/factors/altitude.hpp"
+#include "cairn/factors/bearing.hpp"
+#include "cairn/factors/between.hpp"
+#include "cairn/factors/between_offset.hpp"
+#include "cairn/factors/gnss.hpp"
+#include "cairn/factors/gravity.hpp"
+#include "cairn/factors/landmark_xy.hpp"
+#include "cairn/factors/landmark_xyz.hpp"
+#include "cairn/factors/prior.hpp"
+#include "cairn/factors/range.hpp"
+#include "cairn/factors/range_bearing.hpp"
+#include "cairn/factors/yaw.hpp"
+
+namespace cairn {
+namespace {
+
+// The members of each type in the order of its numbers; the information follows.
+void visit(auto& f, auto&& field)
+  requires requires { f.T_a_b_measured; }
+{
+  field(f.T_a_b_measured);
+}
+void visit(auto& f, auto&& field)
+  requires requires { f.T_sensor_a_sensor_b_measured; }
+{
+  field(f.T_sensor_a_sensor_b_measured), field(f.sensor_a), field(f.sensor_b);
+}
+void visit(auto& f, auto&& field)
+  requires requires { f.T_map_body_measured; }
+{
+  field(f.T_map_body_measured);
+}
+void visit(auto& f, auto&& field)
+  requires requires { f.T_map_sensor_measured; }
+{
+  field(f.T_map_sensor_measured), field(f.sensor);
+}
+void visit(auto& f, auto&& field)
+  requires requires { f.p_map_measured; }
+{
+  field(f.p_map_measured);
+}
+void visit(auto& f, auto&& field)
+  requires requires { f.p_sensor_measured; }
+{
+  field(f.p_sensor_measured), field(f.sensor);
+}
+void visit(auto& f, auto&& field)
+  requires requires { f.p_map_antenna_measured; }
+{
+  field(f.p_body_antenna), field(f.p_map_antenna_measured);
+}
+void visit(auto& f, auto&& field)
+  requires requires { f.z_map_m_measured; }
+{
+  field(f.z_map_m_measured);
+}
+void visit(auto& f, auto&& field)
+  requires requires { f.yaw_rad_measured; }
+{
+  field(f.yaw_rad_measured);
+}
+void visit(auto& f, auto&& field)
+  requires requires { f.down_body_measured; }
+{
+  field(f.down_body_measured);
+}
+void visit(auto& f, auto&& field)
+  requires requires { f.range_m_measured; }
+{
+  field(f.range_m_measured);
+  if constexpr (requires { f.bearing_rad_measured; }) field(f.bearing_rad_measured);
+  if constexpr (requires { f.azimuth_rad_measured; })
+    field(f.azimuth_rad_measured), field(f.elevation_rad_measured);
+}
+void visit(auto& f, auto&& field)
+  requires(
+      requires { f.bearing_rad_measured; } && !requires { f.range_m_measured; })
+{
+  field(f.bearing_rad_measured);
+}
+
+// Appends numbers.
+struct Writer {
+  std::vector<double>& numbers;
+
+  void operator()(double x) { numbers.push_back(x); }
+  template <int N>
+  void operator()(const Eigen::Matrix<double, N, 1>& v) {
+    numbers.insert(numbers.end(), v.data(), v.data() + N);
+  }
+  void operator()(const Se2& T) { (*this)(T.to_vector()); }
+  void operator()(const Se3& T) {
+    (*this)(T.translation());
+    const Eigen::Vector4d q = T.rotation().quaternion().coeffs();
+    (*this)(Eigen::Vector4d(q.w() < 0.0 ? Eigen::Vector4d(-q) : q));
+  }
+  template <class Pose>
+  void operator()(const SensorOffset<Pose>& sensor) {
+    (*this)(sensor.T_body_sensor);
+  }
+};
+
+// Takes them back, in the same order.
+struct Reader {
+  const double* next;
+  bool unit_quaternions = true;
+
+  void operator()(double& x) { x = *next++; }
+  template <int N>
+  void operator()(Eigen::Matrix<double, N, 1>& v) {
+    v = Eigen::Map<const Eigen::Matrix<double, N, 1>>(next);
+    next += N;
+  }
+  void operator()(Se2& T) {
+    T = Se2(next[0], next[1], next[2]);
+    next += 3;
+  }
+  void operator()(Se3& T) {
+    const Eigen::Map<const Eigen::Vector4d> q(next + 3);
+    unit_quaternions = unit_quaternions && std::abs(q.norm() - 1.0) <= 1e-3;
+    if (unit_quaternions)
+      T = Se3(So3(Eigen::Quaterniond(q)), Eigen::Map<const Eigen::Vector3d>(next));
+    next += 7;
+  }
+  template <class Pose>
+  void operator()(SensorOffset<Pose>& sensor) {
+    (*this)(sensor.T_body_sensor);
+  }
+};
+
+template <class F>
+std::vector<double> numbers_of(F& factor) {
+  std::vector<double> numbers;
+  visit(factor, Writer{numbers});
+  for (int row = 0; row < F::kDimension; ++row) {
+    for (int column = row; column < F::kDimension; ++column)
+      numbers.push_back(factor.information(row, column));
+  }
+  return numbers;
+}
+
+// False where a quaternion is not of unit length.
+template <class F>
+bool read_numbers(const std::vector<double>& numbers, F& factor) {
+  Reader reader{numbers.data()};
+  visit(factor, reader);
+  for (int row = 0; row < F::kDimension; ++row) {
+    for (int column = row; column < F::kDimension; ++column)
+      factor.information(row, column) = factor.information(column, row) = *reader.next++;
+  }
+  return reader.unit_quaternions;
+}
+
+struct Codec {
+  FactorTypeInfo info;
+  std::optional<FactorFault> (*find_fault)(const NewFactor& factor);
+  bool (*describe)(const FactorBatch& batch, std::size_t index, NewFactor& out);
+  Result<FactorRef> (*add)(Graph& graph, const NewFactor& factor, std::span<const VariableId> ids);
+};
+
+constexpr const char* kNotUnit = "a quaternion is not of unit length (1e-3)";
+
+template <class F>
+Codec codec(std::uint16_t number) {
+  F zero{};
+  zero.information.setZero();
+  return {{static_cast<FactorType>(number),
+           F::kName,
+           {F::Variables::kArray.begin(), F::Variables::kArray.end()},
+           numbers_of(zero).size()},
+          [](const NewFactor& factor) -> std::optional<FactorFault> {
+            F read{};
+            if (!read_numbers(factor.numbers, read))
+              return FactorFault{RefusalCode::kMalformed, kNotUnit};
+            if (!is_positive_semidefinite<F::kDimension>(read.information)) {
+              return FactorFault{
+                  RefusalCode::kInformation,
+                  "the information of " + std::string(F::kName) + " is not positive semidefinite"};
+            }
+            return std::nullopt;
+          },
+          [](const FactorBatch& batch, std::size_t index, NewFactor& out) {
+            const auto* typed = dynamic_cast<const TypedBatch<F>*>(&batch);
+            if (typed == nullptr) return false;
+            const F& factor = typed->factor(index);
+            out.numbers = numbers_of(factor);
+            return true;
+          },
+          [](Graph& graph, const NewFactor& factor, std::span<const VariableId> ids) {
+            F read{};
+            read_numbers(factor.numbers, read);
+            std::array<VariableId, F::Variables::kArity> named;
+            std::copy_n(ids.begin(), named.size(), named.begin());
+            return graph.add_factor(read, named, factor.kind);
+          }};
+}
+
+const std::vector<Codec>& codecs() {
+  static const std::vector<Codec> all{
+      codec<BetweenSe2>(1),      codec<BetweenSe3>(2),       codec<PriorSe2>(3),
+      codec<PriorSe3>(4),        codec<PriorXy>(5),          codec<LandmarkXy>(6),
+      codec<LandmarkXyz>(7),     codec<BetweenOffsetSe2>(8), codec<BetweenOffsetSe3>(9),
+      codec<BearingXy>(10),      codec<RangeXy>(11),         codec<RangeXyz>(12),
+      codec<RangeBearingXy>(13), codec<RangeBearingXyz>(14), codec<GnssSe2>(15),
+      codec<GnssSe3>(16),        codec<Altitude>(17),        codec<YawSe2>(18),
+      codec<YawSe3>(19),         codec<Gravity>(20),
+  };
+  return all;
+}
+
+const Codec* find_codec(FactorType type) {
+  const auto number = static_cast<std::size_t>(type);
+  return number >= 1 && number <= codecs().size() ? &codecs()[number - 1] : nullptr;
+}
+
+bool all_finite(std::span<const double> numbers) {
+  return std::all_of(numbers.begin(), numbers.end(), [](double x) { return std::isfinite(x); });
+}
+
+std::string count_fault(std::string_view name, std::size_t expected, const char* what,
+                        std::size_t found) {
+  return std::string(name) + " expects " + std::to_string(expected) + ' ' + what + ", found " +
+         std::to_string(found);
+}
+
+FactorFault not_finite(std::string_view name) {
+  return {RefusalCode::kNotFinite, std::string(name) + " holds a number that is not finite"};
+}
+
+}  // namespace
+
+std::span<const FactorTypeInfo> factor_types() {
+  static const std::vector<FactorTypeInfo> infos = [] {
+    std::vector<FactorTypeInfo> all;
+    for (const Codec& codec : codecs()) all.push_back(codec.info);
+    return all;
+  }();
+  return infos;
+}
+
+const FactorTypeInfo* find_factor_type(FactorType type) {
+  const Codec* codec = find_codec(type);
+  return codec == nullptr ? nullptr : &codec->info;
+}
+
+NewFactor describe_factor(const Graph& graph, FactorRef ref) {
+  const FactorBatch& batch = *graph.batches()[ref.batch];
+  NewFactor factor;
+  factor.kind = batch.kinds()[ref.index];
+  for (const Codec& codec : codecs()) {
+    if (codec.info.name != batch.type_name() || !codec.describe(batch, ref.index, factor)) continue;
+    factor.type = codec.info.type;
+    return factor;
+  }
+  CAIRN_CHECK(false, "a factor type without a codec");
+  return factor;
+}
+
+std::optional<FactorFault> find_fault(const NewFactor& factor) {
+  const Codec* codec = find_codec(factor.type);
+  if (codec == nullptr) {
+    return FactorFault{RefusalCode::kMalformed,
+                       "factor type " + std::to_string(static_cast<int>(factor.type)) +
+                           " is not known; known are 1 to " + std::to_string(codecs().size())};
+  }
+  const std::string name(codec->info.name);
+  const std::size_t arity = codec->info.signature.size();
+  if (factor.nodes.size() != arity)
+    return FactorFault{RefusalCode::kMalformed,
+                       count_fault(name, arity, "nodes", factor.nodes.size())};
+  if (factor.numbers.size() != codec->info.numbers) {
+    return FactorFault{RefusalCode::kMalformed,
+                       count_fault(name, codec->info.numbers, "numbers", factor.numbers.size())};
+  }
+  if (!all_finite(factor.numbers)) return not_finite(name);
+  for (std::size_t k = 0; k < factor.nodes.size(); ++k) {
+    for (std::size_t l = 0; l < k; ++l) {
+      if (factor.nodes[k] == factor.nodes[l]) {
+        return FactorFault{RefusalCode::kMalformed,
+                           name + " ties " + to_string(factor.nodes[k]) + " to itself"};
+      }
+    }
+  }
+  return codec->find_fault(factor);
+}
+
+Result<FactorRef> add_factor(Graph& graph, const NewFactor& factor,
+                             std::span<const VariableId> ids) {
+  return find_codec(factor.type)->add(graph, factor, ids);
+}
+
+std::vector<double> describe_value(const Graph& graph, VariableSlot slot) {
+  const Variable& variable = graph.variables()[slot];
+  const Values& values = graph.values();
+  std::vector<double> numbers;
+  Writer write{numbers};
+  switch (variable.type) {
+    case VariableType::kPose2:
+      write(values.pose2[variable.index]);
+      break;
+    case VariableType::kPose3:
+      write(values.pose3[variable.index]);
+      break;
+    case VariableType::kPoint2:
+      write(values.point2[variable.index]);
+      break;
+    case VariableType::kPoint3:
+      write(values.point3[variable.index]);
+      break;
+  }
+  return numbers;
+}
+
+std::optional<FactorFault> find_fault(VariableType type, std::span<const double> value) {
+  if (value.size() != value_numbers(type)) {
+    return FactorFault{RefusalCode::kMalformed,
+                       count_fault(to_string(type), value_numbers(type), "numbers", value.size())};
+  }
+  if (!all_finite(value)) return not_finite(to_string(type));
+  if (type == VariableType::kPose3) {
+    Se3 T;
+    Reader reader{value.data()};
+    reader(T);
+    if (!reader.unit_quaternions) return FactorFault{RefusalCode::kMalformed, kNotUnit};
+  }
+  return std::nullopt;
+}
+
+Result<VariableSlot> add_variable(Graph& graph, VariableId id, VariableType type,
+                                  std::span<const double> start) {
+  Reader read{start.data()};
+  switch (type) {
+    case VariableType::kPose2: {
+      Se2 T;
+      read(T);
+      return graph.add_pose2(id, T);
+    }
+    case VariableType::kPose3: {
+      Se3 T;
+      read(T);
+      return graph.add_pose3(id, T);
+    }
+    case VariableType::kPoint2:
+      return graph.add_point2(id, Eigen::Vector2d(start[0], start[1]));
+    case VariableType::kPoint3:
+      break;
+  }
+  return graph.add_point3(id, Eigen::Vector3d(start[0], start[1], start[2]));
+}
+
+}  // namespace cairn

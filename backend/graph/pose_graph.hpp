@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "cairn/graph/chunked_vector.hpp"
+#include "cairn/graph/transaction.hpp"
+
+namespace cairn {
+
+/// Place of a node in PoseGraph::nodes: order of arrival.
+using NodeIndex = std::uint32_t;
+
+struct StoredNode {
+  NodeId id;
+  VariableType type;
+  std::int64_t stamp_ns;
+  std::vector<double> start;
+  std::vector<double> odometry;
+};
+
+enum class FactorState : std::uint8_t { kCommitted, kDisabled, kRemoved };
+
+struct StoredFactor {
+  FactorName name;
+  FactorType type;
+  FactorKind kind;
+  FactorState state = FactorState::kCommitted;
+  std::vector<NodeIndex> nodes;
+  std::vector<double> numbers;
+};
+
+/// The numbers of an estimate, as in NewVariable::start; the rest is zero.
+using Estimate = std::array<double, 7>;
+
+/// Everything a daemon knows of its map at one revision. A value whose copies share memory: taking
+/// one costs microseconds, whatever the size (a snapshot), and keeps its content while the original
+/// goes on.
+struct PoseGraph {
+  Revision graph_revision;   ///< last record that is in here
+  Revision solved_revision;  ///< what the estimates of the last solve were computed from
+  ChunkedVector<StoredNode> nodes;
+  ChunkedVector<Estimate> estimates;  ///< by node: T_map_body or p_map
+  ChunkedVector<StoredFactor> factors;
+};
+
+}  // namespace cairn

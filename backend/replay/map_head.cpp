@@ -1,0 +1,164 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "cairn/replay/map_head.hpp"
+
+#include <algorithm>
+
+#include "cairn/factors/factor_codec.hpp"
+#include "cairn/replay/estimate.hpp"
+
+namespace cairn {
+namespace {
+
+constexpr std::size_t kMaxName = 64;
+
+std::optional<Refusal> check_name(std::string_view what, const std::string& name) {
+  if (!name.empty() && name.size() <= kMaxName) return std::nullopt;
+  return Refusal{
+      RefusalCode::kMalformed,
+      std::string(what) + " has " + std::to_string(name.size()) + " bytes; expected 1 to 64"};
+}
+
+const NewVariable* find_new(const Transaction& transaction, const NodeId& node) {
+  for (const NewVariable& variable : transaction.variables) {
+    if (variable.node == node) return &variable;
+  }
+  return nullptr;
+}
+
+}  // namespace
+
+std::optional<NodeIndex> MapHead::find(const NodeId& node) const {
+  const auto found = index_of_node_.find(node);
+  if (found == index_of_node_.end()) return std::nullopt;
+  return found->second;
+}
+
+std::optional<Refusal> MapHead::check(const Transaction& transaction) const {
+  if (auto refusal = check_name("the source's name", transaction.key.source)) return refusal;
+  if (auto refusal = check_variables(transaction)) return refusal;
+  if (auto refusal = check_factors(transaction)) return refusal;
+  return check_edits(transaction);
+}
+
+std::optional<Refusal> MapHead::check_variables(const Transaction& transaction) const {
+  for (const NewVariable& variable : transaction.variables) {
+    const std::string name = to_string(variable.node);
+    if (auto refusal = check_name("the robot's name", variable.node.frame.robot)) return refusal;
+    if (auto fault = find_fault(variable.type, variable.start))
+      return Refusal{fault->code, "start of " + name + ": " + fault->reason};
+    if (!variable.odometry.empty()) {
+      if (auto fault = find_fault(variable.type, variable.odometry))
+        return Refusal{fault->code, "odometry of " + name + ": " + fault->reason};
+    }
+    if (find(variable.node) || find_new(transaction, variable.node) != &variable)
+      return Refusal{RefusalCode::kConflict, "the node " + name + " exists already"};
+  }
+  return std::nullopt;
+}
+
+std::optional<VariableType> MapHead::type_of(const NodeId& node,
+                                             const Transaction& transaction) const {
+  if (const auto index = find(node)) return graph_.nodes[*index].type;
+  const NewVariable* added = find_new(transaction, node);
+  return added == nullptr ? std::nullopt : std::optional(added->type);
+}
+
+// A robot belongs to the source that first added a node of it.
+bool MapHead::is_own(const NodeId& node, const Transaction& transaction) const {
+  const auto owner = source_of_robot_.find(node.frame.robot);
+  if (owner != source_of_robot_.end()) return owner->second == transaction.key.source;
+  return std::any_of(transaction.variables.begin(), transaction.variables.end(),
+                     [&](const NewVariable& v) { return v.node.frame.robot == node.frame.robot; });
+}
+
+std::optional<Refusal> MapHead::check_factors(const Transaction& transaction) const {
+  for (std::size_t i = 0; i < transaction.factors.size(); ++i) {
+    const NewFactor& factor = transaction.factors[i];
+    const std::string place = "factor " + std::to_string(i) + ": ";
+    if (auto fault = find_fault(factor)) return Refusal{fault->code, place + fault->reason};
+    const FactorTypeInfo& info = *find_factor_type(factor.type);
+    for (std::size_t k = 0; k < factor.nodes.size(); ++k) {
+      const auto type = type_of(factor.nodes[k], transaction);
+      const std::string name = to_string(factor.nodes[k]);
+      if (!type) {
+        Refusal refusal{RefusalCode::kUnknownVariable,
+                        place + "the node " + name + " is not known"};
+        if (!is_own(factor.nodes[k], transaction)) refusal.awaited = factor.nodes[k];
+        return refusal;
+      }
+      if (*type != info.signature[k]) {
+        return Refusal{RefusalCode::kMalformed, place + std::string(info.name) + " expects a " +
+                                                    std::string(to_string(info.signature[k])) +
+                                                    " as node " + std::to_string(k) + ", found " +
+                                                    std::string(to_string(*type)) + ' ' + name};
+      }
+    }
+  }
+  return std::nullopt;
+}
+
+std::optional<Refusal> MapHead::check_edits(const Transaction& transaction) const {
+  for (const FactorEdit& edit : transaction.edits) {
+    const auto first = first_factor_of_.find(edit.factor.transaction);
+    const std::size_t place =
+        first == first_factor_of_.end() ? graph_.factors.size() : first->second + edit.factor.index;
+    const bool known = place < graph_.factors.size() && graph_.factors[place].name == edit.factor;
+    if (!known || graph_.factors[place].state == FactorState::kRemoved) {
+      return Refusal{RefusalCode::kUnknownVariable,
+                     "factor " + std::to_string(edit.factor.index) + " of " +
+                         edit.factor.transaction.source + '/' +
+                         std::to_string(edit.factor.transaction.sequence) + " is not known"};
+    }
+  }
+  return std::nullopt;
+}
+
+// Where odometry leads from a node that is known, else the sender's guess.
+Estimate MapHead::first_estimate(const NewVariable& variable,
+                                 const Transaction& transaction) const {
+  for (const NewFactor& factor : transaction.factors) {
+    if (factor.kind != FactorKind::kOdometry || factor.nodes.size() != 2) continue;
+    const bool forward = factor.nodes[1] == variable.node;
+    if (!forward && factor.nodes[0] != variable.node) continue;
+    const auto other = find(factor.nodes[forward ? 0 : 1]);
+    if (!other) continue;
+    if (auto composed = compose(graph_.estimates[*other], factor, forward)) return *composed;
+  }
+  return to_estimate(variable.start);
+}
+
+void MapHead::apply(const Transaction& transaction, const Revision& revision) {
+  graph_.graph_revision = revision;
+  for (const NewVariable& variable : transaction.variables) {
+    const auto index = static_cast<NodeIndex>(graph_.nodes.size());
+    graph_.estimates.push_back(first_estimate(variable, transaction));
+    graph_.nodes.push_back(
+        {variable.node, variable.type, variable.stamp_ns, variable.start, variable.odometry});
+    index_of_node_.emplace(variable.node, index);
+    source_of_robot_.emplace(variable.node.frame.robot, transaction.key.source);
+  }
+  if (!transaction.factors.empty())
+    first_factor_of_.emplace(transaction.key, graph_.factors.size());
+  for (std::uint32_t i = 0; i < transaction.factors.size(); ++i) {
+    const NewFactor& factor = transaction.factors[i];
+    StoredFactor stored{{transaction.key, i},    factor.type, factor.kind,
+                        FactorState::kCommitted, {},          factor.numbers};
+    for (const NodeId& node : factor.nodes) stored.nodes.push_back(*find(node));
+    graph_.factors.push_back(std::move(stored));
+  }
+  constexpr FactorState kStates[] = {FactorState::kDisabled, FactorState::kCommitted,
+                                     FactorState::kRemoved};
+  for (const FactorEdit& edit : transaction.edits) {
+    const std::size_t place = first_factor_of_.at(edit.factor.transaction) + edit.factor.index;
+    graph_.factors.edit(place).state = kStates[static_cast<int>(edit.change)];
+  }
+}
+
+void MapHead::apply_estimates(std::span<const std::pair<NodeIndex, Estimate>> changed,
+                              const Revision& base, const Revision& revision) {
+  for (const auto& [node, estimate] : changed) graph_.estimates.edit(node) = estimate;
+  graph_.solved_revision = base;
+  graph_.graph_revision = revision;
+}
+
+}  // namespace cairn

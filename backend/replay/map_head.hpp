@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <map>
+#include <optional>
+#include <span>
+#include <string>
+#include <unordered_map>
+
+#include "cairn/graph/pose_graph.hpp"
+
+namespace cairn {
+
+/// Why a transaction cannot be applied, or not yet.
+struct Refusal {
+  RefusalCode code;
+  std::string reason;
+  /// A node that is missing and that another source may still add: worth waiting for.
+  std::optional<NodeId> awaited{};
+};
+
+/// The map after the last record: validates transactions and applies them. One thread.
+class MapHead {
+ public:
+  /// Nothing where apply() would succeed. Looks at the whole transaction before it says yes.
+  [[nodiscard]] std::optional<Refusal> check(const Transaction& transaction) const;
+  /// Applies what check() let pass.
+  void apply(const Transaction& transaction, const Revision& revision);
+  /// Takes the estimates of a solve for the nodes that were there at its base.
+  void apply_estimates(std::span<const std::pair<NodeIndex, Estimate>> changed,
+                       const Revision& base, const Revision& revision);
+  /// A record that changes neither graph nor estimates.
+  void advance(const Revision& revision) { graph_.graph_revision = revision; }
+
+  [[nodiscard]] const PoseGraph& graph() const { return graph_; }
+  [[nodiscard]] std::optional<NodeIndex> find(const NodeId& node) const;
+
+ private:
+  [[nodiscard]] std::optional<Refusal> check_variables(const Transaction& transaction) const;
+  [[nodiscard]] std::optional<Refusal> check_factors(const Transaction& transaction) const;
+  [[nodiscard]] std::optional<Refusal> check_edits(const Transaction& transaction) const;
+  [[nodiscard]] std::optional<VariableType> type_of(const NodeId& node,
+                                                    const Transaction& transaction) const;
+  [[nodiscard]] Estimate first_estimate(const NewVariable& variable,
+                                        const Transaction& transaction) const;
+  [[nodiscard]] bool is_own(const NodeId& node, const Transaction& transaction) const;
+
+  PoseGraph graph_;
+  std::unordered_map<NodeId, NodeIndex> index_of_node_;
+  std::map<TransactionKey, std::size_t> first_factor_of_;  ///< place in graph_.factors
+  std::map<std::string, std::string> source_of_robot_;     ///< who first added a node of it
+};
+
+}  // namespace cairn

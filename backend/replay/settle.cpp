@@ -1,0 +1,138 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "cairn/replay/settle.hpp"
+
+#include <algorithm>
+#include <map>
+#include <numeric>
+#include <tuple>
+
+#include "cairn/core/content_hash.hpp"
+#include "cairn/factors/factor_codec.hpp"
+#include "cairn/replay/estimate.hpp"
+#include "cairn/solver/optimize.hpp"
+
+namespace cairn {
+namespace {
+
+std::string_view bytes_of(const std::vector<double>& numbers) {
+  return {reinterpret_cast<const char*>(numbers.data()), numbers.size() * sizeof(double)};
+}
+
+ContentHash hash_of(const StoredNode& node) {
+  std::string content(1, static_cast<char>(node.type));
+  content += bytes_of(node.start);
+  content += '/';
+  content += bytes_of(node.odometry);
+  return content_hash(content);
+}
+
+// Epochs are random: what tells one from another is what it holds.
+using EpochRank = std::pair<std::uint64_t, ContentHash>;
+
+std::map<OdometryFrame, EpochRank> rank_epochs(const PoseGraph& map) {
+  std::map<OdometryFrame, NodeIndex> first;
+  for (NodeIndex i = 0; i < map.nodes.size(); ++i) {
+    const NodeId& id = map.nodes[i].id;
+    const auto [at, inserted] = first.emplace(id.frame, i);
+    if (!inserted && id.index < map.nodes[at->second].id.index) at->second = i;
+  }
+  std::map<OdometryFrame, EpochRank> ranks;
+  for (const auto& [frame, node] : first)
+    ranks.emplace(frame, EpochRank(map.nodes[node].id.index, hash_of(map.nodes[node])));
+  return ranks;
+}
+
+std::vector<NodeIndex> order_nodes(const PoseGraph& map) {
+  const std::map<OdometryFrame, EpochRank> ranks = rank_epochs(map);
+  std::vector<const EpochRank*> rank(map.nodes.size());
+  for (std::size_t i = 0; i < rank.size(); ++i) rank[i] = &ranks.at(map.nodes[i].id.frame);
+  std::vector<NodeIndex> order(map.nodes.size());
+  std::iota(order.begin(), order.end(), 0);
+  std::sort(order.begin(), order.end(), [&](NodeIndex a, NodeIndex b) {
+    const NodeId &x = map.nodes[a].id, &y = map.nodes[b].id;
+    return std::tie(x.frame.robot, *rank[a], x.index) < std::tie(y.frame.robot, *rank[b], y.index);
+  });
+  return order;
+}
+
+std::vector<std::uint32_t> order_factors(const PoseGraph& map,
+                                         const std::vector<std::uint32_t>& place_of_node) {
+  struct Key {
+    std::vector<std::uint32_t> places;
+    FactorType type;
+    FactorKind kind;
+    std::string_view content;
+    std::uint32_t factor;
+  };
+  std::vector<Key> keys;
+  for (std::uint32_t f = 0; f < map.factors.size(); ++f) {
+    const StoredFactor& factor = map.factors[f];
+    if (factor.state != FactorState::kCommitted) continue;
+    Key key{{}, factor.type, factor.kind, bytes_of(factor.numbers), f};
+    for (const NodeIndex node : factor.nodes) key.places.push_back(place_of_node[node]);
+    keys.push_back(std::move(key));
+  }
+  std::sort(keys.begin(), keys.end(), [](const Key& a, const Key& b) {
+    return std::tie(a.places, a.type, a.kind, a.content) <
+           std::tie(b.places, b.type, b.kind, b.content);
+  });
+  std::vector<std::uint32_t> order;
+  for (const Key& key : keys) order.push_back(key.factor);
+  return order;
+}
+
+std::vector<std::uint32_t> inverse(const std::vector<NodeIndex>& order) {
+  std::vector<std::uint32_t> place(order.size());
+  for (std::uint32_t i = 0; i < order.size(); ++i) place[order[i]] = i;
+  return place;
+}
+
+}  // namespace
+
+CanonicalOrder::CanonicalOrder(const PoseGraph& map)
+    : nodes(order_nodes(map)), factors(order_factors(map, inverse(nodes))) {}
+
+Graph canonical_graph(const PoseGraph& map, const CanonicalOrder& order) {
+  Graph graph;
+  graph.reserve(order.nodes.size());
+  for (std::size_t place = 0; place < order.nodes.size(); ++place) {
+    const StoredNode& node = map.nodes[order.nodes[place]];
+    const bool added = add_variable(graph, VariableId{place}, node.type, node.start).ok();
+    CAIRN_CHECK(added, "a node of the map that a graph refuses");
+  }
+  const std::vector<std::uint32_t> place_of_node = inverse(order.nodes);
+  for (const std::uint32_t f : order.factors) {
+    const StoredFactor& stored = map.factors[f];
+    std::vector<VariableId> ids;
+    for (const NodeIndex node : stored.nodes) ids.push_back({place_of_node[node]});
+    NewFactor factor;
+    factor.type = stored.type;
+    factor.kind = stored.kind;
+    factor.numbers = stored.numbers;
+    const bool added = add_factor(graph, factor, ids).ok();
+    CAIRN_CHECK(added, "a factor of the map that a graph refuses");
+  }
+  return graph;
+}
+
+SettledEstimate settle(const PoseGraph& map, const std::function<bool()>& keep_going) {
+  CanonicalOrder order(map);
+  Graph graph = canonical_graph(map, order);
+  SolveOptions options{.init = InitMethod::kAuto};
+  if (keep_going) options.on_iteration = [&](int, const IterationReport&) { return keep_going(); };
+  SolveSummary summary = optimize(graph, options);
+  return {std::move(order), std::move(graph), std::move(summary)};
+}
+
+std::vector<std::pair<NodeIndex, Estimate>> changed_estimates(const PoseGraph& map,
+                                                              const SettledEstimate& settled) {
+  std::vector<std::pair<NodeIndex, Estimate>> changed;
+  for (std::uint32_t place = 0; place < settled.order.nodes.size(); ++place) {
+    const NodeIndex node = settled.order.nodes[place];
+    const Estimate estimate = to_estimate(describe_value(settled.graph, place));
+    if (estimate != map.estimates[node]) changed.emplace_back(node, estimate);
+  }
+  return changed;
+}
+
+}  // namespace cairn
