@@ -10,6 +10,20 @@ namespace {
 // For the rare matrix that is not definite; of dynamic size, because that is compiled once.
 using EigenSolver = Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>;
 
+// Whether L D L^T with a positive D exists: elimination without roots, of half the matrix.
+template <int N>
+bool is_positive_definite(Eigen::Matrix<double, N, N> m) {
+  for (int k = 0; k < N; ++k) {
+    if (!(m(k, k) > 0.0)) return false;
+    const double scale = 1.0 / m(k, k);
+    for (int j = k + 1; j < N; ++j) {
+      const double factor = m(j, k) * scale;
+      for (int i = j; i < N; ++i) m(i, j) -= factor * m(i, k);
+    }
+  }
+  return true;
+}
+
 }  // namespace
 
 template <int N>
@@ -24,7 +38,7 @@ Eigen::Matrix<double, N, N> sqrt_information(const Eigen::Matrix<double, N, N>& 
 
 template <int N>
 bool is_positive_semidefinite(const Eigen::Matrix<double, N, N>& information) {
-  if (Eigen::LLT<Eigen::Matrix<double, N, N>>(information).info() == Eigen::Success) return true;
+  if (is_positive_definite<N>(information)) return true;
   const EigenSolver eigen(information, Eigen::EigenvaluesOnly);
   return eigen.eigenvalues().minCoeff() >= -1e-9 * eigen.eigenvalues().cwiseAbs().maxCoeff();
 }

@@ -10,7 +10,7 @@
 namespace cairn {
 namespace {
 
-constexpr std::size_t kChunk = std::size_t{1} << 20;
+constexpr std::size_t kChunk = std::size_t{1} << 17;
 
 // Lengths in both libraries are 32 bits: they are fed piece by piece.
 unsigned piece(std::size_t length) {

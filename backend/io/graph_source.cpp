@@ -57,6 +57,7 @@ Result<void> GraphSource::count_lines() {
     if (!tag || record.tag != tag->name) tag = find_tag(format_, record.tag);
     if (tag) {
       ++entries_[index_of(*tag)].lines;
+      extents_[static_cast<std::size_t>(tag->role)].add(record);
     } else if (Result<void> kept = keep_unknown(record); !kept) {
       return kept;
     }
@@ -91,21 +92,15 @@ Result<void> GraphSource::keep_unknown(const Record& record) {
   return {};
 }
 
-bool GraphSource::has_role(TagRole role) const {
-  for (const TagSpec& tag : tags()) {
-    if (tag.role == role && count(tag) > 0) return true;
-  }
-  return false;
-}
-
 Result<void> GraphSource::read(const Record& record, const TagSpec& tag, LineFields& fields) const {
-  fields.number_count = tag.measurement + tag.information_columns();
-  if (tag.information_optional &&
-      count_fields(record) == static_cast<std::size_t>(tag.id_columns() + tag.measurement)) {
-    fields.number_count = tag.measurement;
-  }
-  return read_fields(record, name_, {fields.ids.data(), static_cast<std::size_t>(tag.id_columns())},
-                     {fields.numbers.data(), static_cast<std::size_t>(fields.number_count)});
+  const auto all = static_cast<std::size_t>(tag.measurement + tag.information_columns());
+  const auto required = tag.information_optional ? static_cast<std::size_t>(tag.measurement) : all;
+  const auto read = read_fields(
+      record, name_, std::span(fields.ids).first(static_cast<std::size_t>(tag.id_columns())),
+      std::span(fields.numbers).first(all), required);
+  if (!read) return read.error();
+  fields.number_count = static_cast<int>(*read);
+  return {};
 }
 
 Error GraphSource::error_at(const Record& record, int field, std::string message) const {

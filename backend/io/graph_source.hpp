@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <array>
 #include <string>
 #include <vector>
 
@@ -52,7 +53,8 @@ class GraphSource {
   template <class Visit>
   Result<void> for_each(TagRole role, Visit visit) const {
     if (!has_role(role)) return {};
-    RecordScanner scanner(text_);
+    const Extent& part = extent(role);
+    RecordScanner scanner(part.text, ' ', part.first_line);
     Record record;
     const TagSpec* tag = nullptr;
     while (scanner.next(record)) {
@@ -77,18 +79,34 @@ class GraphSource {
     bool has_twin = false;
   };
 
+  /// Where the lines of a role are, from the first to the last: often they stand together.
+  struct Extent {
+    std::string_view text{};
+    std::size_t first_line = 0;
+
+    void add(const Record& record) {
+      const char* begin = text.empty() ? record.line.data() : text.data();
+      if (text.empty()) first_line = record.line_number;
+      text = {begin, record.line.data() + record.line.size()};
+    }
+  };
+
   GraphSource(const NamedText& text, GraphFormat format);
   [[nodiscard]] std::size_t index_of(const TagSpec& tag) const {
     return static_cast<std::size_t>(&tag - graph_tags(format_).data());
   }
-  [[nodiscard]] bool has_role(TagRole role) const;
+  [[nodiscard]] const Extent& extent(TagRole role) const {
+    return extents_[static_cast<std::size_t>(role)];
+  }
+  [[nodiscard]] bool has_role(TagRole role) const { return !extent(role).text.empty(); }
   Result<void> count_lines();
   Result<void> keep_unknown(const Record& record);
 
   std::string name_;
   std::string_view text_;
   GraphFormat format_;
-  std::vector<Entry> entries_;  // parallel to tags(); a twin counts with the first of its name
+  std::array<Extent, 5> extents_;  // by role
+  std::vector<Entry> entries_;     // parallel to tags(); a twin counts with the first of its name
   std::vector<UnknownTag> unknown_tags_;
   std::vector<std::string> unknown_lines_;
 };

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "cairn/io/information_columns.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 #include "cairn/io/settle.hpp"
@@ -41,7 +42,7 @@ void scale_rotation(Matrix<6>& m, double factor) {
 
 // Upper triangles as vectors, so that they compare and order.
 template <int N>
-Matrix<N> square(const std::vector<double>& root) {
+Matrix<N> square(std::span<const double> root) {
   Matrix<N> R = Matrix<N>::Zero();
   const double* next = root.data();
   for (int i = 0; i < N; ++i) {
@@ -58,35 +59,33 @@ Matrix<N> square(const std::vector<double>& root) {
   return omega;
 }
 
-// To 14 digits of the largest entry of a column: squaring and taking the root are off by a few
-// units of the 16th, and would not give the same digits again.
-template <int N>
-void round_columns(Matrix<N>& R) {
-  for (int j = 0; j < N; ++j) {
-    const double largest = R.col(j).cwiseAbs().maxCoeff();
-    if (!(largest > 1e-100 && largest < 1e100)) continue;
-    const int decimals = 14 - static_cast<int>(std::ceil(std::log10(largest)));
-    const double scale = std::pow(10.0, std::abs(decimals));
-    for (double& x : R.col(j)) {
-      x = decimals >= 0 ? std::round(x * scale) / scale : std::round(x / scale) * scale;
-    }
-  }
+// To the decimal place of `precision` or the next above it; without negative zeros.
+double round_to(double x, double precision) {
+  const int decimals = -static_cast<int>(std::ceil(std::log10(precision)));
+  const double scale = std::pow(10.0, std::abs(decimals));
+  return (decimals >= 0 ? std::round(x * scale) / scale : std::round(x / scale) * scale) + 0.0;
 }
 
-// R with R^T R = Omega; a row of zeros where Omega has lost a rank.
+// R with R^T R = Omega; a row of zeros where Omega has lost a rank. Omega holds its entries to
+// 1e-16 of the lengths l_i l_j of the columns of R, and what a row divides by its pivot it knows
+// that much less well: each entry is rounded to 1e-14 l_i l_j / R_ii, before the next rows build on
+// it. So squaring R and taking the root again finds the same places, and the same digits.
 template <int N>
 std::vector<double> square_root(const Matrix<N>& omega) {
-  constexpr double kRankLoss = 1e-13;
+  constexpr double kPrecision = 1e-14, kRankLoss = 1e-13;
+  constexpr double kSmallest = 1e-290;  // below, squares lose digits
+  const auto length = [&](int i) { return std::sqrt(std::max(omega(i, i), kSmallest)); };
   Matrix<N> R = Matrix<N>::Zero();
   for (int i = 0; i < N; ++i) {
     for (int j = i; j < N; ++j) {
       double rest = omega(i, j);
       for (int k = 0; k < i; ++k) rest -= R(k, i) * R(k, j);
-      if (j == i && rest <= kRankLoss * omega(i, i)) break;
-      R(i, j) = j == i ? std::sqrt(rest) : rest / R(i, i);
+      if (j == i && rest <= std::max(kRankLoss * omega(i, i), kSmallest)) break;
+      const double entry = j == i ? std::sqrt(rest) : rest / R(i, i);
+      const double pivot = j == i ? entry : R(i, i);
+      R(i, j) = round_to(entry, kPrecision * length(i) * length(j) / pivot);
     }
   }
-  round_columns<N>(R);
   std::vector<double> root;
   append_upper_triangle<N>(R, root);
   return root;
@@ -103,7 +102,7 @@ Matrix<N> read_information(InformationLayout layout, std::span<const double> col
       return 0.5 * (m + m.transpose());
     }
     case InformationLayout::kSquareRootFactor:
-      return square<N>({columns.begin(), columns.end()});
+      return square<N>(columns);
     case InformationLayout::kToro2:
       if constexpr (N == 3) {
         Matrix<N> m;

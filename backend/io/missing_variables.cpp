@@ -14,6 +14,7 @@ class MissingVariables {
     collect(false);
     if (waits_for_twins_) collect(true);
     std::sort(missing_.begin(), missing_.end());
+    make_room();
     for (const auto& [id, type] : missing_) {
       if (!add_at_origin(id, type))
         return Error{ErrorCode::kInternal, "a missing variable is not missing"};
@@ -40,26 +41,35 @@ class MissingVariables {
   }
 
   std::optional<VariableType> type_of_first(const Record& record) const {
-    const auto id = find_id(record, 0);
-    if (!id) return std::nullopt;
-    const VariableId root = reading_.equivalence.root(*id);
+    std::array<std::uint64_t, 1> id;
+    if (!read_ids(record, id)) return std::nullopt;
+    const VariableId root = reading_.equivalence.root({id[0]});
     if (const auto slot = graph().find(root)) return graph().variables()[*slot].type;
     const auto found = index_.find(root);
     return found ? std::optional(missing_[*found].second) : std::nullopt;
   }
 
   void note(const Record& record, const TagSpec& tag) {
-    FieldCursor fields(record);
-    for (int k = 0; k < tag.variable_count; ++k) {
-      const auto field = fields.next();
-      VariableId id;
-      if (!field || parse_id(field->text, id.value) != NumberFault::kNone) return;
-      const VariableId root = reading_.equivalence.root(id);
-      const VariableType type = tag.variables[static_cast<std::size_t>(k)];
+    std::array<std::uint64_t, 2> ids;
+    const auto count = static_cast<std::size_t>(tag.variable_count);
+    if (!read_ids(record, std::span(ids).first(count))) return;
+    for (std::size_t k = 0; k < count; ++k) {
+      const VariableId root = reading_.equivalence.root({ids[k]});
+      const VariableType type = tag.variables[k];
       if (!reading_.may_be_left_out(root, type) || graph().find(root)) continue;
-      if (index_.insert(root, static_cast<std::uint32_t>(missing_.size())))
-        missing_.emplace_back(root, type);
+      if (!index_.insert(root, static_cast<std::uint32_t>(missing_.size()))) continue;
+      missing_.emplace_back(root, type);
+      ++counts_[static_cast<std::size_t>(type)];
     }
+  }
+
+  void make_room() {
+    Graph& graph = reading_.document.graph;
+    std::array<std::size_t, 4> counts = counts_;
+    for (const Variable& known : graph.variables()) ++counts[static_cast<std::size_t>(known.type)];
+    for (std::size_t type = 0; type < counts.size(); ++type)
+      graph.reserve_values(static_cast<VariableType>(type), counts[type]);
+    graph.reserve(graph.variables().size() + missing_.size());
   }
 
   bool add_at_origin(VariableId id, VariableType type) {
@@ -93,6 +103,7 @@ class MissingVariables {
   Reading& reading_;
   SlotIndex index_;  // of missing_
   std::vector<std::pair<VariableId, VariableType>> missing_;
+  std::array<std::size_t, 4> counts_{};  // of missing_, by type
   bool waits_for_twins_ = false;
 };
 

@@ -7,12 +7,18 @@
 #include <cstdlib>
 #include <cstring>
 
+#include "cairn/io/decimal.hpp"
+
 namespace cairn {
 namespace {
 
 constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
 
 bool is_blank(char c) { return c == ' ' || c == '\t' || c == '\r'; }
+// Whether a field ends before `c`. What blanks are not is told by one comparison.
+bool ends_field(char c, char separator) {
+  return static_cast<unsigned char>(c) <= ' ' ? is_blank(c) : c == separator;
+}
 bool is_digit(char c) { return c >= '0' && c <= '9'; }
 
 const char* skip_blanks(const char* p, const char* end) {
@@ -20,20 +26,18 @@ const char* skip_blanks(const char* p, const char* end) {
   return p;
 }
 
-// The end of a line's content: before a field that begins with '#', and before trailing blanks.
-const char* content_end(const char* begin, const char* end) {
-  const char* p = begin;
-  while (p != end) {
-    p = static_cast<const char*>(std::memchr(p, '#', static_cast<std::size_t>(end - p)));
-    if (!p) break;
-    if (p == begin || is_blank(p[-1])) {
-      end = p;
-      break;
-    }
-    ++p;
-  }
-  while (end != begin && is_blank(end[-1])) --end;
-  return end;
+// The first `c` from begin on, or end.
+const char* find(char c, const char* begin, const char* end) {
+  const auto length = static_cast<std::size_t>(end - begin);
+  const void* found = length == 0 ? nullptr : std::memchr(begin, c, length);
+  return found ? static_cast<const char*>(found) : end;
+}
+
+// Where a line's comment begins, a field that begins with '#', or its end.
+const char* comment_in(const char* begin, const char* end) {
+  const char* p = find('#', begin, end);
+  while (p != end && p != begin && !is_blank(p[-1])) p = find('#', p + 1, end);
+  return p;
 }
 
 std::string_view without_plus(std::string_view text) {
@@ -65,45 +69,6 @@ NumberFault parse_integer(std::string_view text, Integer& id) {
   return status == std::errc() && rest == end ? NumberFault::kNone : NumberFault::kNotANumber;
 }
 
-// The number at `p` in the form most files have, digits with a point and no exponent: exact,
-// because an integer below 2^53 and a power of ten up to 10^22 are doubles (Clinger 1990). Null for
-// others.
-const char* take_short_decimal(const char* p, const char* end, double& value) {
-  constexpr int kMaxDigits = 15;
-  constexpr double kPowersOfTen[] = {1e0, 1e1, 1e2,  1e3,  1e4,  1e5,  1e6,  1e7,
-                                     1e8, 1e9, 1e10, 1e11, 1e12, 1e13, 1e14, 1e15};
-  const bool negative = p != end && *p == '-';
-  if (negative) ++p;
-  std::uint64_t mantissa = 0;
-  const char* const digits = p;
-  while (p != end && is_digit(*p))
-    mantissa = 10 * mantissa + static_cast<std::uint64_t>(*p++ - '0');
-  std::ptrdiff_t count = p - digits, decimals = 0;
-  if (p != end && *p == '.') {
-    const char* const point = p++;
-    while (p != end && is_digit(*p))
-      mantissa = 10 * mantissa + static_cast<std::uint64_t>(*p++ - '0');
-    decimals = p - point - 1;
-    count += decimals;
-  }
-  if (count == 0 || count > kMaxDigits) return nullptr;
-  value = static_cast<double>(mantissa) / kPowersOfTen[decimals];
-  if (negative) value = -value;
-  return p;
-}
-
-const char* take_number(const char* p, const char* end, std::uint64_t& id) {
-  const auto [rest, status] = std::from_chars(p, end, id);
-  return status == std::errc() ? rest : nullptr;
-}
-
-const char* take_number(const char* p, const char* end, double& value) {
-  const char* rest = take_short_decimal(p, end, value);
-  if (rest && (rest == end || (*rest != 'e' && *rest != 'E'))) return rest;
-  const auto [long_rest, status] = std::from_chars(p, end, value);
-  return status == std::errc() && std::isfinite(value) ? long_rest : nullptr;
-}
-
 // One field at `p`, which moves behind it; false sends the caller to the slow path that finds out
 // why.
 template <class Number>
@@ -112,8 +77,8 @@ bool take(const char*& p, const char* end, char separator, Number& value) {
     ++p;
     if (p == end || !(is_digit(*p) || *p == '.')) return false;
   }
-  p = take_number(p, end, value);
-  if (!p || (p != end && !is_blank(*p) && *p != separator)) return false;
+  p = take_decimal(p, end, value);
+  if (!p || (p != end && !ends_field(*p, separator))) return false;
   p = skip_blanks(p, end);
   if (p == end || separator == ' ' || *p != separator) return true;
   p = skip_blanks(p + 1, end);
@@ -147,7 +112,7 @@ Error explain(const Record& record, std::string_view file, std::size_t id_count,
   CAIRN_CHECK(false, "a line failed to parse, but each of its fields parses");
 }
 
-// Field by field, for the rare line with numbers that from_chars alone does not take (1e-400).
+// Field by field, for the rare line with a number that the fast path does not take (1e-400).
 bool read_slowly(const Record& record, std::span<std::uint64_t> ids, std::span<double> numbers) {
   FieldCursor fields(record);
   for (std::uint64_t& id : ids) {
@@ -161,38 +126,58 @@ bool read_slowly(const Record& record, std::span<std::uint64_t> ids, std::span<d
   return !fields.next();
 }
 
-bool read_fast(const Record& record, std::span<std::uint64_t> ids, std::span<double> numbers) {
-  const char* end = record.line.data() + record.line.size();
+const char* first_field(const Record& record, const char* end) {
   const char* p = skip_blanks(record.tag.data() + record.tag.size(), end);
-  if (record.separator != ' ' && p != end && *p == record.separator) p = skip_blanks(p + 1, end);
+  return record.separator != ' ' && p != end && *p == record.separator ? skip_blanks(p + 1, end)
+                                                                       : p;
+}
+
+const char* take_ids(const Record& record, const char* end, std::span<std::uint64_t> ids) {
+  const char* p = first_field(record, end);
   for (std::uint64_t& id : ids) {
-    if (!take(p, end, record.separator, id)) return false;
+    if (!take(p, end, record.separator, id)) return nullptr;
   }
-  for (double& number : numbers) {
-    if (!take(p, end, record.separator, number)) return false;
+  return p;
+}
+
+// Reads all numbers, or only the first `required` where the line ends there; how many. Nothing
+// sends the caller to the slow path.
+std::optional<std::size_t> read_fast(const Record& record, std::span<std::uint64_t> ids,
+                                     std::span<double> numbers, std::size_t required) {
+  const char* end = record.line.data() + record.line.size();
+  const char* p = take_ids(record, end, ids);
+  if (!p) return std::nullopt;
+  for (std::size_t i = 0; i < numbers.size(); ++i) {
+    if (i == required && p == end) return required;
+    if (!take(p, end, record.separator, numbers[i])) return std::nullopt;
   }
-  return p == end;
+  return p == end ? std::optional(numbers.size()) : std::nullopt;
 }
 
 }  // namespace
 
-RecordScanner::RecordScanner(std::string_view text, char separator)
-    : next_(text.data()), end_(text.data() + text.size()), separator_(separator) {
+RecordScanner::RecordScanner(std::string_view text, char separator, std::size_t first_line)
+    : next_(text.data()),
+      end_(text.data() + text.size()),
+      hash_(find('#', next_, end_)),
+      line_number_(first_line - 1),
+      separator_(separator) {
   if (text.starts_with(kByteOrderMark)) next_ += kByteOrderMark.size();
 }
 
 bool RecordScanner::next(Record& record) {
   while (next_ != end_) {
     const char* begin = next_;
-    const auto* newline =
-        static_cast<const char*>(std::memchr(begin, '\n', static_cast<std::size_t>(end_ - begin)));
-    next_ = newline ? newline + 1 : end_;
+    const char* end = find('\n', begin, end_);
+    next_ = end == end_ ? end : end + 1;
     ++line_number_;
-    const char* end = content_end(begin, newline ? newline : end_);
+    if (hash_ < begin) hash_ = find('#', begin, end_);
+    if (hash_ < end) end = comment_in(begin, end);
+    while (end != begin && is_blank(end[-1])) --end;
     const char* tag = skip_blanks(begin, end);
     if (tag == end) continue;
     const char* tag_end = tag;
-    while (tag_end != end && !is_blank(*tag_end) && *tag_end != separator_) ++tag_end;
+    while (tag_end != end && !ends_field(*tag_end, separator_)) ++tag_end;
     record.line = {begin, static_cast<std::size_t>(end - begin)};
     record.line_number = line_number_;
     record.tag = {tag, static_cast<std::size_t>(tag_end - tag)};
@@ -212,7 +197,7 @@ std::optional<Field> FieldCursor::next() {
   const char separator = record_->separator;
   if (separator != ' ' && *next_ == separator) next_ = skip_blanks(next_ + 1, end);
   const char* begin = next_;
-  while (next_ != end && !is_blank(*next_) && *next_ != separator) ++next_;
+  while (next_ != end && !ends_field(*next_, separator)) ++next_;
   return Field{{begin, static_cast<std::size_t>(next_ - begin)}, record_->column_of(begin)};
 }
 
@@ -228,6 +213,10 @@ std::optional<Field> field_at(const Record& record, std::size_t index) {
   std::optional<Field> field = fields.next();
   for (; field && index > 0; --index) field = fields.next();
   return field;
+}
+
+bool read_ids(const Record& record, std::span<std::uint64_t> ids) {
+  return take_ids(record, record.line.data() + record.line.size(), ids) != nullptr;
 }
 
 NumberFault parse_number(std::string_view text, double& value) {
@@ -290,10 +279,20 @@ std::string place_in(std::string_view name, std::size_t line, std::size_t column
   return std::string(name) + ":" + std::to_string(line) + ":" + std::to_string(column);
 }
 
+Result<std::size_t> read_fields(const Record& record, std::string_view file,
+                                std::span<std::uint64_t> ids, std::span<double> numbers,
+                                std::size_t required) {
+  if (const auto count = read_fast(record, ids, numbers, required)) return *count;
+  if (required < numbers.size() && count_fields(record) == ids.size() + required)
+    numbers = numbers.first(required);
+  if (read_slowly(record, ids, numbers)) return numbers.size();
+  return explain(record, file, ids.size(), numbers.size());
+}
+
 Result<void> read_fields(const Record& record, std::string_view file, std::span<std::uint64_t> ids,
                          std::span<double> numbers) {
-  if (read_fast(record, ids, numbers) || read_slowly(record, ids, numbers)) return {};
-  return explain(record, file, ids.size(), numbers.size());
+  const auto read = read_fields(record, file, ids, numbers, numbers.size());
+  return read ? Result<void>() : read.error();
 }
 
 }  // namespace cairn

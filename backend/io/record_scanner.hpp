@@ -35,7 +35,7 @@ struct Record {
 /// begins with '#' to the end of the line), and takes LF and CRLF alike. Allocates nothing.
 class RecordScanner {
  public:
-  explicit RecordScanner(std::string_view text, char separator = ' ');
+  explicit RecordScanner(std::string_view text, char separator = ' ', std::size_t first_line = 1);
 
   /// False at the end of the text.
   bool next(Record& record);
@@ -43,7 +43,8 @@ class RecordScanner {
  private:
   const char* next_;
   const char* end_;
-  std::size_t line_number_ = 0;
+  const char* hash_;  // the first '#' not yet passed
+  std::size_t line_number_;
   char separator_;
 };
 
@@ -63,6 +64,10 @@ class FieldCursor {
 [[nodiscard]] std::size_t count_fields(const Record& record);
 /// The index-th field behind the tag, from 0.
 [[nodiscard]] std::optional<Field> field_at(const Record& record, std::size_t index);
+
+/// The first ids.size() fields behind the tag as ids; false where one is none. Faster than a
+/// cursor.
+bool read_ids(const Record& record, std::span<std::uint64_t> ids);
 
 /// Why a field is not the number it should be.
 enum class NumberFault : std::uint8_t {
@@ -96,5 +101,10 @@ std::string place_in(std::string_view name, std::size_t line, std::size_t column
 /// not a finite number".
 Result<void> read_fields(const Record& record, std::string_view file, std::span<std::uint64_t> ids,
                          std::span<double> numbers);
+/// The same where the numbers behind the first `required` may be left out together. How many there
+/// are.
+Result<std::size_t> read_fields(const Record& record, std::string_view file,
+                                std::span<std::uint64_t> ids, std::span<double> numbers,
+                                std::size_t required);
 
 }  // namespace cairn

@@ -38,8 +38,11 @@ template <class Pose>
 Adjacency<Pose> adjacency_of(Graph& graph) {
   Adjacency<Pose> adjacency;
   for (const auto& batch : graph.batches()) {
-    const auto relative = PoseArray<Pose>::relative(*batch);
-    adjacency.edges.insert(adjacency.edges.end(), relative.begin(), relative.end());
+    auto relative = PoseArray<Pose>::relative(*batch);
+    if (adjacency.edges.empty())
+      adjacency.edges = std::move(relative);
+    else
+      adjacency.edges.insert(adjacency.edges.end(), relative.begin(), relative.end());
   }
   auto& begin = adjacency.begin;
   begin.assign(PoseArray<Pose>::of(graph.values()).size() + 1, 0);
@@ -85,9 +88,11 @@ void chain_poses(Graph& graph, const std::vector<bool>& has_start) {
   if (waiting.empty()) return;
   const Adjacency<Pose> adjacency = adjacency_of<Pose>(graph);
   spread(adjacency, std::move(started), known, poses);
-  std::sort(waiting.begin(), waiting.end(), [&](std::uint32_t a, std::uint32_t b) {
+  const auto by_id = [&](std::uint32_t a, std::uint32_t b) {
     return graph.variables()[slot_of(a)].id < graph.variables()[slot_of(b)].id;
-  });
+  };
+  if (!std::is_sorted(waiting.begin(), waiting.end(), by_id))
+    std::sort(waiting.begin(), waiting.end(), by_id);
   for (const std::uint32_t root : waiting) {
     if (known[root]) continue;
     known[root] = true;

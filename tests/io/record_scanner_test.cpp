@@ -68,6 +68,22 @@ TEST(ReadFields, TakesEveryWayToWriteADecimalNumber) {
   EXPECT_EQ(numbers[6], 4.9e-324);
 }
 
+TEST(ReadFields, TakesLinesWithAndWithoutTheNumbersThatMayBeLeftOut) {
+  std::array<std::uint64_t, 1> ids;
+  std::array<double, 4> numbers;
+  const auto read = [&](std::string_view line) -> std::string {
+    const auto count = read_fields(only_record(line), "f", ids, numbers, 2);
+    return count ? std::to_string(*count) : count.error().to_string();
+  };
+  EXPECT_EQ(read("T 1 2 3 4 5"), "4");
+  EXPECT_EQ(read("T 1 2 3"), "2");
+  EXPECT_EQ(read("T 1 2 1e-400"), "2");
+  EXPECT_EQ(read("T 1 2"), "f:1:1: T expects 5 numbers, found 2");
+  EXPECT_EQ(read("T 1 2 3 4"), "f:1:1: T expects 5 numbers, found 4");
+  EXPECT_EQ(read("T 1 2 x"), "f:1:7: 'x' is not a number");
+  EXPECT_EQ(read("T 1 2 3 4 x"), "f:1:11: 'x' is not a number");
+}
+
 struct Malformed {
   std::string_view line;
   std::string message;
