@@ -16,8 +16,8 @@ namespace cairn {
 
 /// What an estimate was computed from.
 struct EstimateRevisions {
-  Revision graph;   ///< everything up to this record is in the estimate, if only by composition
-  Revision solved;  ///< the newest record that a committed solve has seen
+  Revision graph{};   ///< everything up to this record is in the estimate, if only by composition
+  Revision solved{};  ///< the newest record that a committed solve has seen
 
   friend bool operator==(const EstimateRevisions&, const EstimateRevisions&) = default;
 };
@@ -27,10 +27,10 @@ using PoseNumbers = std::array<double, 7>;
 
 /// Daemon to client, latest kept per source: what the daemon will not forget.
 struct SourceState {
-  std::string source;
+  std::string source{};
   std::uint64_t epoch = 0;
   std::uint64_t highest_decided = 0;  ///< every sequence up to this one is decided; 0: none
-  Revision revision;                  ///< the head when this was said
+  Revision revision{};                  ///< the head when this was said
   ContentHash chain{};                ///< the journal's chained hash at `revision`
 
   friend bool operator==(const SourceState&, const SourceState&) = default;
@@ -38,11 +38,11 @@ struct SourceState {
 
 /// Client to daemon, latest kept per source: here I am, and this was promised to me.
 struct ClientState {
-  std::string source;
+  std::string source{};
   std::uint64_t epoch = 0;
-  std::string robot;                  ///< empty: none
+  std::string robot{};                  ///< empty: none
   std::uint64_t highest_decided = 0;  ///< highest sequence with a final receipt
-  Revision receipted;                 ///< of that receipt; above the daemon's head means damage
+  Revision receipted{};                 ///< of that receipt; above the daemon's head means damage
   std::uint64_t oldest_kept = 0;      ///< first sequence the spool can still resend
   std::int64_t sent_ns = 0;           ///< the client's clock, for the clock offset
 
@@ -60,11 +60,11 @@ struct PoseEstimate {
 /// A stretch of one robot's trajectory, in node order. Replaces the chunk of the same frame and
 /// number. A frame has poses of one type.
 struct PoseChunk {
-  OdometryFrame frame;
+  OdometryFrame frame{};
   std::uint32_t chunk = 0;  ///< 0, 1, 2, ... along the trajectory
-  std::string map;          ///< frames with the same map are comparable
+  std::string map{};          ///< frames with the same map are comparable
   VariableType type = VariableType::kPose2;
-  std::vector<PoseEstimate> poses;  ///< at most kMaxChunk
+  std::vector<PoseEstimate> poses{};  ///< at most kMaxChunk
 
   friend bool operator==(const PoseChunk&, const PoseChunk&) = default;
 };
@@ -78,11 +78,11 @@ struct LandmarkEstimate {
 
 /// Like PoseChunk, for the landmarks that a frame names.
 struct LandmarkChunk {
-  OdometryFrame frame;
+  OdometryFrame frame{};
   std::uint32_t chunk = 0;
-  std::string map;
+  std::string map{};
   VariableType type = VariableType::kPoint2;
-  std::vector<LandmarkEstimate> landmarks;  ///< at most kMaxChunk
+  std::vector<LandmarkEstimate> landmarks{};  ///< at most kMaxChunk
 
   friend bool operator==(const LandmarkChunk&, const LandmarkChunk&) = default;
 };
@@ -91,26 +91,26 @@ constexpr std::size_t kMaxChunk = 256;  ///< poses or landmarks in one chunk
 
 /// Where a robot's odometry frame lies in the map, at its newest keyframe.
 struct Correction {
-  OdometryFrame frame;
-  std::string map;
+  OdometryFrame frame{};
+  std::string map{};
   VariableType type = VariableType::kPose2;
   PoseNumbers T_map_odom{};
   std::int64_t stamp_ns = 0;  ///< of that keyframe
   double jump_m = 0.0;        ///< how far this moved the robot's newest keyframe
   double jump_rad = 0.0;
-  EstimateRevisions revisions;
+  EstimateRevisions revisions{};
 
   friend bool operator==(const Correction&, const Correction&) = default;
 };
 
 /// A scan or an image, named by the hash of its bytes.
 struct Payload {
-  std::string source;
+  std::string source{};
   std::uint64_t epoch = 0;
   std::uint64_t number = 0;  ///< 1, 2, 3, ...: the n-th payload of this spool
   ContentHash hash{};
-  std::string type;   ///< "laser_scan/1", ...: what the bytes are
-  std::string bytes;  ///< at most kMaxPayloadBytes
+  std::string type{};   ///< "laser_scan/1", ...: what the bytes are
+  std::string bytes{};  ///< at most kMaxPayloadBytes
 };
 constexpr std::size_t kMaxPayloadBytes = 16u << 20;
 
@@ -118,7 +118,7 @@ enum class PayloadAnswer : std::uint8_t { kStored = 0, kWanted = 1, kRefused = 2
 
 /// The daemon's answer to a payload, or its question for one that a transaction names.
 struct PayloadReceipt {
-  std::string source;
+  std::string source{};
   std::uint64_t epoch = 0;
   std::uint64_t number = 0;  ///< 0 where a payload is wanted that was never seen
   ContentHash hash{};
@@ -136,14 +136,14 @@ struct CommandKey {
 };
 
 struct Command {
-  CommandKey key;
-  std::string text;  ///< a verb and its options, as on the command line
+  CommandKey key{};
+  std::string text{};  ///< a verb and its options, as on the command line
 };
 
 struct Reply {
-  CommandKey key;
+  CommandKey key{};
   std::optional<ErrorCode> error{};  ///< nothing: done
-  std::string text;                  ///< the answer, or the error's message; any size
+  std::string text{};                  ///< the answer, or the error's message; any size
 };
 
 enum class DaemonState : std::uint8_t {
@@ -155,7 +155,7 @@ enum class DaemonState : std::uint8_t {
 
 /// One source as the daemon sees it.
 struct SourceStatus {
-  std::string source;
+  std::string source{};
   std::uint64_t epoch = 0;
   bool alive = false;
   std::uint64_t highest_decided = 0;
@@ -169,18 +169,18 @@ struct SourceStatus {
 /// The daemon's pulse, latest kept.
 struct Status {
   std::int64_t started_ns = 0;  ///< with `head.store`: which daemon this is; the newcomer stops
-  std::string version;          ///< of the program
-  std::string host;             ///< host name and process id
+  std::string version{};          ///< of the program
+  std::string host{};             ///< host name and process id
   DaemonState state = DaemonState::kStarting;
-  Revision head;  ///< durable
-  EstimateRevisions estimate;
+  Revision head{};  ///< durable
+  EstimateRevisions estimate{};
   std::uint64_t variables = 0;
   std::uint64_t factors = 0;
   double chi2 = 0.0;  ///< of the newest estimate
   std::uint64_t memory_bytes = 0;
   std::uint64_t disk_free_bytes = 0;
   std::string message{};  ///< what needs attention; empty: nothing
-  std::vector<SourceStatus> sources;
+  std::vector<SourceStatus> sources{};
 };
 
 enum class Severity : std::uint8_t { kInfo = 0, kWarning = 1, kError = 2 };
@@ -190,10 +190,10 @@ struct Event {
   std::uint64_t number = 0;  ///< 1, 2, 3, ... since the daemon started
   std::int64_t time_ns = 0;  ///< the daemon's clock
   Severity severity = Severity::kInfo;
-  std::string kind;  ///< a stable word: "damage", "factor_committed", "under_constrained", ...
-  Revision revision;
+  std::string kind{};  ///< a stable word: "damage", "factor_committed", "under_constrained", ...
+  Revision revision{};
   std::optional<FactorName> factor{};  ///< the one it is about
-  std::string text;                    ///< for people
+  std::string text{};                    ///< for people
 };
 
 }  // namespace cairn

@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <dds/dds.h>
+
+#include <functional>
+#include <memory>
+#include <string>
+#include <utility>
+
+#include "cairn/core/result.hpp"
+
+/// A thin layer over Cyclone DDS's C interface: ownership, results instead of codes, and one way to
+/// take samples. Return codes end here.
+namespace cairn::dds {
+
+/// kUnreachable with what was tried and the middleware's words for `code`.
+Error to_error(dds_return_t code, const std::string& what);
+
+/// Owns a DDS entity (and with it everything made from it).
+class Entity {
+ public:
+  Entity() = default;
+  explicit Entity(dds_entity_t handle) : handle_(handle) {}
+  Entity(Entity&& other) noexcept : handle_(std::exchange(other.handle_, 0)) {}
+  Entity& operator=(Entity&& other) noexcept {
+    std::swap(handle_, other.handle_);
+    return *this;
+  }
+  ~Entity() {
+    if (handle_ > 0) dds_delete(handle_);
+  }
+  [[nodiscard]] dds_entity_t handle() const { return handle_; }
+
+ private:
+  dds_entity_t handle_ = 0;
+};
+
+struct QosDeleter {
+  void operator()(dds_qos_t* qos) const { dds_delete_qos(qos); }
+};
+using Qos = std::unique_ptr<dds_qos_t, QosDeleter>;
+
+/// Which of the shipped configurations holds unless the environment sets CYCLONEDDS_URI.
+enum class Network { kLoopback, kRadio };
+
+/// Told, from threads of the middleware, of peers that do not fit and writes that failed.
+using TroubleHandler = std::function<void(Error)>;
+
+/// One participant of a domain. The first of a process in a domain sets that domain up; the last
+/// one tears it down.
+class Participant {
+ public:
+  static Result<Participant> open(std::uint32_t domain, Network network);
+  Participant(Participant&&) noexcept = default;
+  Participant& operator=(Participant&&) = delete;
+
+  [[nodiscard]] dds_entity_t handle() const { return entity_.handle(); }
+
+ private:
+  Participant(std::shared_ptr<Entity> domain, Entity entity)
+      : domain_(std::move(domain)), entity_(std::move(entity)) {}
+
+  std::shared_ptr<Entity> domain_;  // null where another library of the process made the domain
+  Entity entity_;
+};
+
+}  // namespace cairn::dds

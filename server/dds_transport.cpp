@@ -1,0 +1,301 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "server/dds_transport.hpp"
+
+#include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <mutex>
+#include <optional>
+#include <string_view>
+#include <thread>
+#include <tuple>
+#include <utility>
+
+#include "idl/convert.hpp"
+#include "idl/dds/endpoint.hpp"
+#include "idl/dds/outbox.hpp"
+#include "idl/limits.hpp"
+
+namespace cairn {
+namespace {
+
+constexpr std::size_t kBatch = 1024;  // transactions put in order at a time
+
+std::int64_t now_ns() {
+  return std::chrono::duration_cast<std::chrono::nanoseconds>(
+             std::chrono::system_clock::now().time_since_epoch())
+      .count();
+}
+
+// Everything the daemon reads and writes in one domain.
+struct Endpoints {
+  dds::Reader<cairn_wire_Transaction> transaction;
+  dds::Reader<cairn_wire_Client_state> client_state;
+  dds::Reader<cairn_wire_Payload> payload;
+  dds::Reader<cairn_wire_Command> command;
+  dds::Reader<cairn_wire_Status> rival;
+  dds::Writer<cairn_wire_Receipt> receipt;
+  dds::Writer<cairn_wire_Source_state> source_state;
+  dds::Writer<cairn_wire_Payload_receipt> payload_receipt;
+  dds::Writer<cairn_wire_Poses> poses;
+  dds::Writer<cairn_wire_Landmarks> landmarks;
+  dds::Writer<cairn_wire_Correction> correction;
+  dds::Writer<cairn_wire_Status> status;
+  dds::Writer<cairn_wire_Event> event;
+  dds::Writer<cairn_wire_Reply> reply;
+
+  template <class... E>
+  static Result<Endpoints> collect(Result<E>... made) {
+    std::optional<Error> error;
+    ((made ? void() : void(error = made.error())), ...);
+    if (error) return *error;
+    return Endpoints{std::move(*made)...};
+  }
+  static Result<Endpoints> make(const dds::Participant& in, const dds::TroubleHandler* trouble) {
+    return collect(dds::Reader<cairn_wire_Transaction>::make(in, trouble),
+                   dds::Reader<cairn_wire_Client_state>::make(in, trouble),
+                   dds::Reader<cairn_wire_Payload>::make(in, trouble),
+                   dds::Reader<cairn_wire_Command>::make(in, trouble),
+                   dds::Reader<cairn_wire_Status>::make(in, trouble),
+                   dds::Writer<cairn_wire_Receipt>::make(in, trouble),
+                   dds::Writer<cairn_wire_Source_state>::make(in, trouble),
+                   dds::Writer<cairn_wire_Payload_receipt>::make(in, trouble),
+                   dds::Writer<cairn_wire_Poses>::make(in, trouble),
+                   dds::Writer<cairn_wire_Landmarks>::make(in, trouble),
+                   dds::Writer<cairn_wire_Correction>::make(in, trouble),
+                   dds::Writer<cairn_wire_Status>::make(in, trouble),
+                   dds::Writer<cairn_wire_Event>::make(in, trouble),
+                   dds::Writer<cairn_wire_Reply>::make(in, trouble));
+  }
+};
+
+class DdsTransport final : public Transport {
+ public:
+  explicit DdsTransport(const DdsTransportOptions& options) : options_(options) {}
+  ~DdsTransport() override { stop(); }
+
+  Result<void> start(TransportListener& listener) override;
+  void stop() noexcept override;
+
+  void publish(const Receipt& receipt) override { write(&Endpoints::receipt, receipt); }
+  void publish(const SourceState& state) override { write(&Endpoints::source_state, state); }
+  void publish(const PayloadReceipt& receipt) override {
+    write(&Endpoints::payload_receipt, receipt);
+  }
+  void publish_poses(const EstimateRevisions& revisions,
+                     const std::vector<PoseChunk>& chunks) override {
+    const std::lock_guard lock(pose_rounds_);
+    for (const PoseChunk& chunk : chunks) write(&Endpoints::poses, chunk, revisions);
+    write_sample(&Endpoints::poses, wire::end_of_pose_round(revisions));
+  }
+  void publish_landmarks(const EstimateRevisions& revisions,
+                         const std::vector<LandmarkChunk>& chunks) override {
+    const std::lock_guard lock(landmark_rounds_);
+    for (const LandmarkChunk& chunk : chunks) write(&Endpoints::landmarks, chunk, revisions);
+    write_sample(&Endpoints::landmarks, wire::end_of_landmark_round(revisions));
+  }
+  void publish(const Correction& correction) override { write(&Endpoints::correction, correction); }
+  void publish(const Status& status) override;
+  void publish(const Event& event) override;
+  void reply(const Reply& reply) override;
+
+ private:
+  // `more` stands between message and arena in to_wire().
+  template <class Wire, class Message, class... More>
+  void write(dds::Writer<Wire> Endpoints::*writer, const Message& message, const More&... more) {
+    wire::Arena arena;
+    write_sample(writer, wire::to_wire(message, more..., arena));
+  }
+  template <class Wire>
+  void write_sample(dds::Writer<Wire> Endpoints::*writer, const Wire& sample) {
+    if (!running_) return;
+    if (const auto code = ((*endpoints_).*writer).write(sample); code < 0)
+      trouble_(dds::to_error(code, std::string("cannot write ") + dds::Topic<Wire>::kName));
+  }
+
+  Result<void> attach_all(TransportListener& listener);
+  int take_transactions(TransportListener& listener);
+  int take_clients(TransportListener& listener);
+  int take_payloads(TransportListener& listener);
+  int take_commands(TransportListener& listener);
+  int take_rivals(TransportListener& listener);
+
+  DdsTransportOptions options_;
+  dds::TroubleHandler trouble_;  // outlives what reports to it
+  std::optional<dds::Participant> participant_;
+  std::optional<Endpoints> endpoints_;
+  std::unique_ptr<dds::WaitLoop> loop_;
+  dds::Outbox outbox_;
+  std::thread thread_;
+  std::atomic<bool> running_ = false;
+  std::mutex pose_rounds_, landmark_rounds_;
+  std::mutex own_status_mutex_;
+  std::optional<std::pair<std::int64_t, std::uint64_t>> own_status_;  // started_ns, store
+};
+
+Result<void> DdsTransport::start(TransportListener& listener) {
+  if (participant_) return Error{ErrorCode::kUsage, "the transport was started before"};
+  trouble_ = [&listener](Error error) { listener.on_trouble(std::move(error)); };
+  auto participant = dds::Participant::open(options_.domain, options_.network);
+  if (!participant) return participant.error();
+  participant_.emplace(std::move(*participant));
+  auto endpoints = Endpoints::make(*participant_, &trouble_);
+  if (!endpoints) return endpoints.error();
+  endpoints_.emplace(std::move(*endpoints));
+  auto loop = dds::WaitLoop::make(*participant_);
+  if (!loop) return loop.error();
+  loop_ = std::move(*loop);
+  if (auto attached = attach_all(listener); !attached) return attached;
+  running_ = true;
+  outbox_.start(trouble_);
+  thread_ = std::thread([this] { loop_->run(trouble_); });
+  return {};
+}
+
+Result<void> DdsTransport::attach_all(TransportListener& listener) {
+  const auto attach = [&](auto& reader, int (DdsTransport::*take)(TransportListener&)) {
+    return loop_->attach(reader.handle(),
+                         [this, take, &listener] { return (this->*take)(listener); });
+  };
+  // Clients first: a source is known before its transactions arrive.
+  auto attached = attach(endpoints_->client_state, &DdsTransport::take_clients);
+  if (attached) attached = attach(endpoints_->transaction, &DdsTransport::take_transactions);
+  if (attached) attached = attach(endpoints_->payload, &DdsTransport::take_payloads);
+  if (attached) attached = attach(endpoints_->command, &DdsTransport::take_commands);
+  if (attached) attached = attach(endpoints_->rival, &DdsTransport::take_rivals);
+  return attached;
+}
+
+void DdsTransport::stop() noexcept {
+  if (!thread_.joinable()) return;
+  outbox_.stop();  // what is queued still goes out, if it can
+  running_ = false;
+  loop_->stop();
+  thread_.join();
+}
+
+// Samples come out instance by instance; put back in the order in which each source sent them.
+int DdsTransport::take_transactions(TransportListener& listener) {
+  std::vector<std::pair<Transaction, Sender>> batch;
+  int count = 0;
+  do {
+    count = endpoints_->transaction.take(
+        [&](const cairn_wire_Transaction& sample, const dds_sample_info_t& info) {
+          if (!info.valid_data) return;
+          const Sender sender{.writer = sample.writer, .arrived_ns = now_ns()};
+          auto transaction = wire::from_wire(sample);
+          if (transaction) {
+            batch.emplace_back(std::move(*transaction), sender);
+            return;
+          }
+          const auto code =
+              sample.version > wire::kVersion ? RefusalCode::kVersion : RefusalCode::kMalformed;
+          listener.on_unreadable_transaction(wire::key_of(sample), code,
+                                             transaction.error().message, sender);
+        });
+  } while (count == static_cast<int>(dds::kTake) && batch.size() < kBatch);
+  std::stable_sort(batch.begin(), batch.end(),
+                   [](const auto& a, const auto& b) { return a.first.key < b.first.key; });
+  for (auto& [transaction, sender] : batch) listener.on_transaction(std::move(transaction), sender);
+  return count;
+}
+
+int DdsTransport::take_clients(TransportListener& listener) {
+  return endpoints_->client_state.take(
+      [&](const cairn_wire_Client_state& sample, const dds_sample_info_t& info) {
+        const Sender sender{.writer = sample.writer, .arrived_ns = now_ns()};
+        if (info.valid_data) {
+          auto client = wire::from_wire(sample);
+          if (client)
+            listener.on_client(std::move(*client), sender);
+          else
+            listener.on_trouble(client.error());
+        }
+        if (info.instance_state != DDS_ALIVE_INSTANCE_STATE && sample.source != nullptr)
+          listener.on_source_lost(sample.source, sender);
+      });
+}
+
+int DdsTransport::take_payloads(TransportListener& listener) {
+  return endpoints_->payload.take([&](const cairn_wire_Payload& sample,
+                                      const dds_sample_info_t& info) {
+    if (!info.valid_data) return;
+    auto payload = wire::from_wire(sample);
+    if (payload)
+      listener.on_payload(std::move(*payload), {.writer = sample.writer, .arrived_ns = now_ns()});
+    else
+      listener.on_trouble(payload.error());
+  });
+}
+
+int DdsTransport::take_commands(TransportListener& listener) {
+  return endpoints_->command.take(
+      [&](const cairn_wire_Command& sample, const dds_sample_info_t& info) {
+        if (!info.valid_data) return;
+        auto command = wire::from_wire(sample);
+        if (command)
+          listener.on_command(std::move(*command));
+        else
+          reply({.key = {sample.client, sample.number},
+                 .error = ErrorCode::kBadInput,
+                 .text = command.error().message});
+      });
+}
+
+int DdsTransport::take_rivals(TransportListener& listener) {
+  return endpoints_->rival.take(
+      [&](const cairn_wire_Status& sample, const dds_sample_info_t& info) {
+        if (!info.valid_data) return;
+        {
+          const std::lock_guard lock(own_status_mutex_);
+          if (own_status_ == std::pair(sample.started_ns, sample.store)) return;
+        }
+        if (auto status = wire::from_wire(sample)) listener.on_rival(std::move(*status));
+      });
+}
+
+void DdsTransport::publish(const Status& status) {
+  {
+    const std::lock_guard lock(own_status_mutex_);
+    own_status_.emplace(status.started_ns, status.head.store);
+  }
+  write(&Endpoints::status, status);
+}
+
+// Keep-all writers wait for slow readers: from a thread that may.
+void DdsTransport::publish(const Event& event) {
+  if (!running_) return;
+  outbox_.push(sizeof event + event.text.size(), [this, event] {
+    wire::Arena arena;
+    return endpoints_->event.write(wire::to_wire(event, arena));
+  });
+}
+
+void DdsTransport::reply(const Reply& reply) {
+  if (!running_) return;
+  std::string_view rest = reply.text;
+  std::uint32_t part = 0;
+  do {
+    std::string text(limits::cut(rest, limits::kText));
+    rest.remove_prefix(text.size());
+    cairn_wire_Reply sample{};
+    sample.client = reply.key.client;
+    sample.version = wire::kVersion;
+    sample.number = reply.key.number;
+    sample.part = part++;
+    sample.last = rest.empty();
+    sample.error_code = reply.error ? static_cast<std::uint8_t>(*reply.error) : 0;
+    outbox_.push(text.size(), [this, text, sample]() mutable {
+      sample.text = text.data();
+      return endpoints_->reply.write(sample);
+    });
+  } while (!rest.empty());
+}
+
+}  // namespace
+
+std::unique_ptr<Transport> make_dds_transport(const DdsTransportOptions& options) {
+  return std::make_unique<DdsTransport>(options);
+}
+
+}  // namespace cairn
