@@ -3,6 +3,8 @@
 
 #include <vector>
 
+#include "cairn/linear/kernel.hpp"
+
 namespace cairn {
 
 /// `length` neighboring rows of one front that are rows of another.
@@ -14,7 +16,7 @@ struct FrontRun {
 /// instruction set; they differ in rounding only. Arrays must have kFrontSlack readable numbers
 /// behind their end.
 struct FrontKernels {
-  const char* name;  ///< of the instruction set
+  Kernel kernel;  ///< its name
   /// Turns the panel (m x n, leading dimension m, lower triangle used) into [L11; L21] with
   /// L11 L11^T = A11 and L21 = A21 L11^-T, and the reciprocals of the diagonal of L11 into
   /// `inverse` (n). False where a pivot is not positive.
@@ -35,5 +37,7 @@ constexpr int kFrontSlack = 16;
 
 /// The sets this processor can run, the fastest last.
 std::vector<const FrontKernels*> runnable_front_kernels();
+/// Null where this processor cannot run it.
+const FrontKernels* find_front_kernels(Kernel kernel);
 
 }  // namespace cairn

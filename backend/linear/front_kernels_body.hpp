@@ -14,13 +14,13 @@ namespace {
 
 #ifdef __AVX512F__
 constexpr int kWidth = 8;
-constexpr const char* kName = "avx512";
+constexpr Kernel kName = Kernel::kAvx512;
 #elif defined(__AVX__)
 constexpr int kWidth = 4;
-constexpr const char* kName = "avx2";
+constexpr Kernel kName = Kernel::kAvx2;
 #else
 constexpr int kWidth = 2;
-constexpr const char* kName = "baseline";
+constexpr Kernel kName = Kernel::kPortable;
 #endif
 // Columns that are computed together: accumulators for two vectors of rows stay in registers.
 constexpr int kColumns = 6;

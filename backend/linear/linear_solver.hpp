@@ -8,6 +8,7 @@
 
 #include "cairn/linear/block_pattern.hpp"
 #include "cairn/linear/elimination.hpp"
+#include "cairn/linear/kernel.hpp"
 
 namespace cairn {
 
@@ -52,8 +53,8 @@ class LinearSolver {
 };
 
 /// Our own Cholesky, by dense fronts of blocks: two to six times faster than CHOLMOD's on these
-/// matrices.
-std::unique_ptr<LinearSolver> make_multifrontal_solver();
+/// matrices. The kernel must be runnable.
+std::unique_ptr<LinearSolver> make_multifrontal_solver(Kernel kernel = Kernel::kFastest);
 /// CHOLMOD on our order: column by column or by supernodes, whichever it finds cheaper; column by
 /// column when built without its GPL module.
 std::unique_ptr<LinearSolver> make_cholmod_solver();

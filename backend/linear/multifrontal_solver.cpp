@@ -14,6 +14,8 @@ namespace {
 // eliminates its own columns, and leaves the rest to its parent on a stack.
 class MultifrontalSolver final : public LinearSolver {
  public:
+  explicit MultifrontalSolver(const FrontKernels& kernels) : kernels_(kernels) {}
+
   void analyze(const BlockPattern& pattern, const Elimination& elimination) override {
     pattern_ = &pattern;
     supernodes_ = elimination.supernodes;
@@ -225,7 +227,7 @@ class MultifrontalSolver final : public LinearSolver {
                        height(child) - width(child), to, ld);
   }
 
-  const FrontKernels& kernels_ = *runnable_front_kernels().back();
+  const FrontKernels& kernels_;
   const BlockPattern* pattern_ = nullptr;
   Supernodes supernodes_;
   std::vector<int> column_begin_, row_begin_, rows_;  ///< in scalars, as in SupernodalFactor
@@ -242,8 +244,10 @@ class MultifrontalSolver final : public LinearSolver {
 
 }  // namespace
 
-std::unique_ptr<LinearSolver> make_multifrontal_solver() {
-  return std::make_unique<MultifrontalSolver>();
+std::unique_ptr<LinearSolver> make_multifrontal_solver(Kernel kernel) {
+  const FrontKernels* kernels = find_front_kernels(kernel);
+  CAIRN_CHECK(kernels != nullptr, "a kernel that this processor cannot run");
+  return std::make_unique<MultifrontalSolver>(*kernels);
 }
 
 }  // namespace cairn

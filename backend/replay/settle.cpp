@@ -118,7 +118,7 @@ Graph canonical_graph(const PoseGraph& map, const CanonicalOrder& order) {
 SettledEstimate settle(const PoseGraph& map, const std::function<bool()>& keep_going) {
   CanonicalOrder order(map);
   Graph graph = canonical_graph(map, order);
-  SolveOptions options{.init = InitMethod::kAuto};
+  SolveOptions options{.kernel = Kernel::kPortable, .init = InitMethod::kAuto};
   if (keep_going) options.on_iteration = [&](int, const IterationReport&) { return keep_going(); };
   SolveSummary summary = optimize(graph, options);
   return {std::move(order), std::move(graph), std::move(summary)};

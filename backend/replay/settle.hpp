@@ -31,7 +31,8 @@ struct SettledEstimate {
   SolveSummary summary;  ///< not usable: take nothing from `graph`
 };
 
-/// Batch optimization with fixed settings (Levenberg-Marquardt, initialization auto, one thread).
+/// Batch optimization with fixed settings (Levenberg-Marquardt, initialization auto, portable
+/// kernel, one thread).
 /// `keep_going` is asked after each iteration; false leaves an unusable, interrupted result.
 SettledEstimate settle(const PoseGraph& map, const std::function<bool()>& keep_going = {});
 

@@ -15,8 +15,8 @@ namespace {
 template <class Pose>
 class EdgeLeastSquares {
  public:
-  EdgeLeastSquares(const RelativePoseGraph<Pose>& graph, const Elimination& known)
-      : graph_(graph), block_of_(graph.held.size(), -1) {
+  EdgeLeastSquares(const RelativePoseGraph<Pose>& graph, const Elimination& known, Kernel kernel)
+      : graph_(graph), kernel_(kernel), block_of_(graph.held.size(), -1) {
     int blocks = 0;
     for (std::size_t pose = 0; pose < graph.held.size(); ++pose) {
       if (!graph.held[pose]) block_of_[pose] = blocks++;
@@ -73,7 +73,7 @@ class EdgeLeastSquares {
       else
         block(pattern.find(b, a), a) -= w * M;
     }
-    const std::unique_ptr<LinearSolver> linear = make_multifrontal_solver();
+    const std::unique_ptr<LinearSolver> linear = make_multifrontal_solver(kernel_);
     linear->analyze(pattern, elimination_);
     if (!linear->factorize(values.data())) return false;
     for (int column = 0; column < k; ++column)
@@ -92,6 +92,7 @@ class EdgeLeastSquares {
   }
 
   const RelativePoseGraph<Pose>& graph_;
+  Kernel kernel_;
   std::vector<int> block_of_;
   BlockGraph blocks_;
   Elimination elimination_;
@@ -178,7 +179,7 @@ std::vector<std::uint32_t> roots_to_hold(const RelativePoseGraph<Pose>& graph) {
 }  // namespace
 
 template <class Pose>
-bool chordal_poses(const RelativePoseGraph<Pose>& source, const Elimination& known,
+bool chordal_poses(const RelativePoseGraph<Pose>& source, const Elimination& known, Kernel kernel,
                    std::vector<Pose>& poses) {
   if (poses.empty()) return true;
   RelativePoseGraph<Pose> graph = source;
@@ -186,7 +187,7 @@ bool chordal_poses(const RelativePoseGraph<Pose>& source, const Elimination& kno
   constexpr int d = std::is_same_v<Pose, Se2> ? 2 : 3;
   using Rotation = std::remove_cvref_t<decltype(poses[0].rotation())>;
   using Translation = Eigen::Matrix<double, d, 1>;
-  const EdgeLeastSquares<Pose> system(graph, known);
+  const EdgeLeastSquares<Pose> system(graph, known, kernel);
   std::vector<Rotation> rotations;
   rotations.reserve(poses.size());
   Eigen::Matrix<double, Eigen::Dynamic, d> positions(poses.size(), d);
@@ -211,7 +212,9 @@ bool chordal_poses(const RelativePoseGraph<Pose>& source, const Elimination& kno
   return true;
 }
 
-template bool chordal_poses(const RelativePoseGraph<Se2>&, const Elimination&, std::vector<Se2>&);
-template bool chordal_poses(const RelativePoseGraph<Se3>&, const Elimination&, std::vector<Se3>&);
+template bool chordal_poses(const RelativePoseGraph<Se2>&, const Elimination&, Kernel,
+                            std::vector<Se2>&);
+template bool chordal_poses(const RelativePoseGraph<Se3>&, const Elimination&, Kernel,
+                            std::vector<Se3>&);
 
 }  // namespace cairn

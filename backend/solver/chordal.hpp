@@ -2,6 +2,7 @@
 #pragma once
 
 #include "cairn/linear/elimination.hpp"
+#include "cairn/linear/kernel.hpp"
 #include "cairn/solver/relative_pose_graph.hpp"
 
 namespace cairn {
@@ -14,7 +15,7 @@ namespace cairn {
 /// `known` is an elimination of the unknown poses in index order, used where it fits (that of the
 /// normal equations does when there are no landmarks); otherwise one is found.
 template <class Pose>
-bool chordal_poses(const RelativePoseGraph<Pose>& graph, const Elimination& known,
+bool chordal_poses(const RelativePoseGraph<Pose>& graph, const Elimination& known, Kernel kernel,
                    std::vector<Pose>& poses);
 
 }  // namespace cairn

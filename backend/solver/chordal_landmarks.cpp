@@ -31,7 +31,7 @@ class LeastSquares {
   void add(Term term) { terms_.push_back(std::move(term)); }
 
   // One matrix per node (dimension x right-hand sides); empty when singular.
-  std::vector<Small> solve(int right_hand_sides) {
+  std::vector<Small> solve(int right_hand_sides, Kernel kernel) {
     number_unknowns();
     const Elimination elimination = find_elimination(graph_);
     const BlockPattern pattern =
@@ -39,7 +39,7 @@ class LeastSquares {
     std::vector<double> values(pattern.value_count(), 0.0);
     Eigen::MatrixXd rhs = Eigen::MatrixXd::Zero(pattern.scalar_size(), right_hand_sides);
     for (const Term& term : terms_) accumulate(term, elimination, pattern, values, rhs);
-    const std::unique_ptr<LinearSolver> linear = make_multifrontal_solver();
+    const std::unique_ptr<LinearSolver> linear = make_multifrontal_solver(kernel);
     linear->analyze(pattern, elimination);
     if (!linear->factorize(values.data())) return {};
     for (int k = 0; k < right_hand_sides; ++k) linear->solve(rhs.col(k).data(), rhs.col(k).data());
@@ -163,8 +163,13 @@ class JointRelaxation {
   static constexpr int n = std::is_same_v<Pose, Se2> ? 2 : 3;
   using Rotation = std::remove_cvref_t<decltype(Pose().rotation())>;
 
-  JointRelaxation(const Problem& problem, const RelativePoseGraph<Pose>& graph, Values& values)
-      : problem_(problem), graph_(graph), values_(values), sightings_(find_sightings<n>(problem)) {
+  JointRelaxation(const Problem& problem, const RelativePoseGraph<Pose>& graph, Kernel kernel,
+                  Values& values)
+      : problem_(problem),
+        graph_(graph),
+        kernel_(kernel),
+        values_(values),
+        sightings_(find_sightings<n>(problem)) {
     hold_roots();
   }
 
@@ -265,7 +270,7 @@ class JointRelaxation {
                   minus_seen_from(sighting.p_body), Small::Ones(1, 1), Small::Zero(1, n),
                   sighting.weight});
     }
-    return system.solve(n);
+    return system.solve(n, kernel_);
   }
 
   // The row that maps (row of R, coordinate of t) to minus the coordinate of R p + t.
@@ -292,11 +297,12 @@ class JointRelaxation {
           edge.measured.translation_weight);
     }
     for (const Sighting<n>& s : sightings_) add(s.pose, point_node_[s.point], s.p_body, s.weight);
-    return system.solve(n);
+    return system.solve(n, kernel_);
   }
 
   const Problem& problem_;
   RelativePoseGraph<Pose> graph_;
+  Kernel kernel_;
   Values& values_;
   std::vector<Sighting<n>> sightings_;
   std::vector<int> point_node_;
@@ -306,11 +312,13 @@ class JointRelaxation {
 
 template <class Pose>
 bool chordal_poses_and_landmarks(const Problem& problem, const RelativePoseGraph<Pose>& graph,
-                                 Values& values) {
-  return JointRelaxation<Pose>(problem, graph, values).run();
+                                 Kernel kernel, Values& values) {
+  return JointRelaxation<Pose>(problem, graph, kernel, values).run();
 }
 
-template bool chordal_poses_and_landmarks(const Problem&, const RelativePoseGraph<Se2>&, Values&);
-template bool chordal_poses_and_landmarks(const Problem&, const RelativePoseGraph<Se3>&, Values&);
+template bool chordal_poses_and_landmarks(const Problem&, const RelativePoseGraph<Se2>&, Kernel,
+                                          Values&);
+template bool chordal_poses_and_landmarks(const Problem&, const RelativePoseGraph<Se3>&, Kernel,
+                                          Values&);
 
 }  // namespace cairn

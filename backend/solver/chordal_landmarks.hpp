@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "cairn/linear/kernel.hpp"
 #include "cairn/solver/relative_pose_graph.hpp"
 
 namespace cairn {
@@ -12,6 +13,6 @@ namespace cairn {
 /// their value. False (and `values` unchanged) when a system is singular.
 template <class Pose>
 bool chordal_poses_and_landmarks(const Problem& problem, const RelativePoseGraph<Pose>& graph,
-                                 Values& values);
+                                 Kernel kernel, Values& values);
 
 }  // namespace cairn

@@ -78,8 +78,8 @@ class Initializer {
   template <class Pose>
   bool move_chordally(const RelativePoseGraph<Pose>& graph, std::vector<Pose>& poses,
                       bool poses_only, Values& start) const {
-    return poses_only ? chordal_poses(graph, elimination_, poses)
-                      : chordal_poses_and_landmarks(problem_, graph, start);
+    return poses_only ? chordal_poses(graph, elimination_, options_.kernel, poses)
+                      : chordal_poses_and_landmarks(problem_, graph, options_.kernel, start);
   }
 
   // Each landmark from the first factor that tells where it is.

@@ -14,7 +14,7 @@
 namespace cairn {
 namespace {
 
-std::unique_ptr<LinearSolver> make_linear_solver(LinearBackend backend) {
+std::unique_ptr<LinearSolver> make_linear_solver(LinearBackend backend, Kernel kernel) {
   switch (backend) {
     case LinearBackend::kEigen:
       return make_eigen_solver();
@@ -26,7 +26,7 @@ std::unique_ptr<LinearSolver> make_linear_solver(LinearBackend backend) {
     case LinearBackend::kCeres:
       break;
   }
-  return make_multifrontal_solver();
+  return make_multifrontal_solver(kernel);
 }
 
 // Back-ends that do not show their factor cannot see that they fail.
@@ -123,7 +123,8 @@ class Optimization {
   bool solve(bool check_rank) {
     const Stopwatch setup_watch;
     NormalEquations equations(problem_, *layout_);
-    const std::unique_ptr<LinearSolver> linear = make_linear_solver(options_.linear);
+    const std::unique_ptr<LinearSolver> linear =
+        make_linear_solver(options_.linear, options_.kernel);
     linear->analyze(equations.pattern(), layout_->elimination);
     const RangeCost initial = equations.linearize(context(), pool_);
     summary_.setup_s += setup_watch.seconds();
@@ -144,7 +145,7 @@ class Optimization {
       NormalEquations equations(problem_, *layout_);
       equations.linearize(context(), pool_);
       if (!equations.is_finite()) return any;  // for the loop to report
-      const RankReport free = find_free_directions(equations);
+      const RankReport free = find_free_directions(equations, options_.kernel);
       if (free.full_rank()) return any;
       any = true;
       std::vector<bool> dropped(problem_.held.size(), false);

@@ -54,8 +54,8 @@ std::vector<FreeVariable> locally_free(const NormalEquations& equations) {
 // and 0 at the other pinned rows.
 class NullSpace {
  public:
-  explicit NullSpace(NormalEquations& equations)
-      : equations_(equations), linear_(make_multifrontal_solver()) {
+  NullSpace(NormalEquations& equations, Kernel kernel)
+      : equations_(equations), linear_(make_multifrontal_solver(kernel)) {
     linear_->analyze(equations.pattern(), equations.layout().elimination);
   }
 
@@ -167,12 +167,12 @@ bool looks_singular(const SupernodalFactor& factor, const Eigen::VectorXd& diago
   return false;
 }
 
-RankReport find_free_directions(NormalEquations& equations) {
+RankReport find_free_directions(NormalEquations& equations, Kernel kernel) {
   equations.set_damping(0.0);
   RankReport report;
   report.undetermined = locally_free(equations);
   if (!report.undetermined.empty() || equations.pattern().size() == 0) return report;
-  const Eigen::MatrixXd basis = NullSpace(equations).find();
+  const Eigen::MatrixXd basis = NullSpace(equations, kernel).find();
   if (basis.cols() == 0) return report;
   std::vector<FreeVariable> moved = moved_variables(equations, basis);
   // A motion of most of the unknowns is a missing gauge, not a fault of single variables.

@@ -28,7 +28,7 @@ struct RankReport {
 
 /// Costs a few factorizations and one solve per free direction. `equations` stay linearized,
 /// undamped.
-RankReport find_free_directions(NormalEquations& equations);
+RankReport find_free_directions(NormalEquations& equations, Kernel kernel = Kernel::kFastest);
 
 /// True when the smallest pivot of the factor of H is at rounding level relative to diag(H).
 bool looks_singular(const SupernodalFactor& factor, const Eigen::VectorXd& diagonal);

@@ -5,6 +5,7 @@
 
 #include "cairn/graph/factor_batch.hpp"
 #include "cairn/graph/robust_loss.hpp"
+#include "cairn/linear/kernel.hpp"
 
 namespace cairn {
 
@@ -22,6 +23,7 @@ struct IterationReport {
 struct SolveOptions {
   Method method = Method::kLevenbergMarquardt;
   LinearBackend linear = LinearBackend::kMultifrontal;
+  Kernel kernel = Kernel::kFastest;  ///< must be runnable; other kernels round differently
   InitMethod init = InitMethod::kFile;
   int max_iterations = 100;
   RobustLoss loss{};

@@ -15,6 +15,10 @@ const Choices<LinearBackend> kBackends{{"multifrontal", LinearBackend::kMultifro
                                        {"ceres", LinearBackend::kCeres},
                                        {"eigen", LinearBackend::kEigen},
                                        {"pcg", LinearBackend::kPcg}};
+const Choices<Kernel> kKernels{{"fastest", Kernel::kFastest},
+                               {"portable", Kernel::kPortable},
+                               {"avx2", Kernel::kAvx2},
+                               {"avx512", Kernel::kAvx512}};
 const Choices<InitMethod> kInits{{"auto", InitMethod::kAuto},
                                  {"file", InitMethod::kFile},
                                  {"odometry", InitMethod::kOdometry},
@@ -61,6 +65,8 @@ void add_solver_options(CLI::App& verb, OptimizeArguments& a) {
                   "threads at most; 0: one per processor. Results do not depend on it")
       ->check(in_range(0, 1024))
       ->type_name("N");
+  add_choice(verb, "--kernel", a.solve.kernel, kKernels,
+             "instructions of the factorization; portable: the same bits on every processor");
   verb.add_option("--max-iterations", a.solve.max_iterations, "iteration limit")
       ->check(in_range(0, 1'000'000))
       ->type_name("N");

@@ -29,6 +29,11 @@ Result<SolveOptions> solve_options(const OptimizeArguments& a) {
                      " back-end; choose another, or build with -DCAIRN_WITH_CERES=ON",
                  "--linear"};
   }
+  if (!is_runnable(options.kernel)) {
+    return Error{ErrorCode::kUsage,
+                 "this processor cannot run that kernel; leave it out, or choose portable",
+                 "--kernel"};
+  }
   if (options.threads == 0)
     options.threads = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
   return options;

@@ -97,6 +97,20 @@ TYPED_TEST(OptimizeTest, GivesTheSameBitsWithAnyNumberOfThreads) {
   }
 }
 
+TYPED_TEST(OptimizeTest, ReachesTheSameOptimumWithEveryKernelOfThisProcessor) {
+  const Graph start = circle<TypeParam>(60, 20, 10, 0.02, 0.05, 11);
+  Graph first = start;
+  const double chi2 = optimize(first).final_chi2;
+  for (const Kernel kernel : {Kernel::kPortable, Kernel::kAvx2, Kernel::kAvx512}) {
+    if (!is_runnable(kernel)) continue;
+    for (const InitMethod init : {InitMethod::kFile, InitMethod::kChordal}) {
+      Graph graph = start;
+      const SolveSummary summary = optimize(graph, {.kernel = kernel, .init = init});
+      EXPECT_NEAR(summary.final_chi2, chi2, 1e-8 * chi2) << static_cast<int>(kernel);
+    }
+  }
+}
+
 TYPED_TEST(OptimizeTest, GivesTheSameBitsEveryTime) {
   Graph first = circle<TypeParam>(60, 20, 10, 0.02, 0.05, 6), second = first;
   optimize(first);
