@@ -30,7 +30,7 @@ struct SourceState {
   std::string source{};
   std::uint64_t epoch = 0;
   std::uint64_t highest_decided = 0;  ///< every sequence up to this one is decided; 0: none
-  Revision revision{};                  ///< the head when this was said
+  Revision revision{};                ///< the head when this was said
   ContentHash chain{};                ///< the journal's chained hash at `revision`
 
   friend bool operator==(const SourceState&, const SourceState&) = default;
@@ -40,9 +40,9 @@ struct SourceState {
 struct ClientState {
   std::string source{};
   std::uint64_t epoch = 0;
-  std::string robot{};                  ///< empty: none
+  std::string robot{};                ///< empty: none
   std::uint64_t highest_decided = 0;  ///< highest sequence with a final receipt
-  Revision receipted{};                 ///< of that receipt; above the daemon's head means damage
+  Revision receipted{};               ///< of that receipt; above the daemon's head means damage
   std::uint64_t oldest_kept = 0;      ///< first sequence the spool can still resend
   std::int64_t sent_ns = 0;           ///< the client's clock, for the clock offset
 
@@ -62,7 +62,7 @@ struct PoseEstimate {
 struct PoseChunk {
   OdometryFrame frame{};
   std::uint32_t chunk = 0;  ///< 0, 1, 2, ... along the trajectory
-  std::string map{};          ///< frames with the same map are comparable
+  std::string map{};        ///< frames with the same map are comparable
   VariableType type = VariableType::kPose2;
   std::vector<PoseEstimate> poses{};  ///< at most kMaxChunk
 
@@ -143,7 +143,7 @@ struct Command {
 struct Reply {
   CommandKey key{};
   std::optional<ErrorCode> error{};  ///< nothing: done
-  std::string text{};                  ///< the answer, or the error's message; any size
+  std::string text{};                ///< the answer, or the error's message; any size
 };
 
 enum class DaemonState : std::uint8_t {
@@ -169,8 +169,8 @@ struct SourceStatus {
 /// The daemon's pulse, latest kept.
 struct Status {
   std::int64_t started_ns = 0;  ///< with `head.store`: which daemon this is; the newcomer stops
-  std::string version{};          ///< of the program
-  std::string host{};             ///< host name and process id
+  std::string version{};        ///< of the program
+  std::string host{};           ///< host name and process id
   DaemonState state = DaemonState::kStarting;
   Revision head{};  ///< durable
   EstimateRevisions estimate{};
@@ -193,7 +193,7 @@ struct Event {
   std::string kind{};  ///< a stable word: "damage", "factor_committed", "under_constrained", ...
   Revision revision{};
   std::optional<FactorName> factor{};  ///< the one it is about
-  std::string text{};                    ///< for people
+  std::string text{};                  ///< for people
 };
 
 }  // namespace cairn
