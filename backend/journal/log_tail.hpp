@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "cairn/journal/data_folder.hpp"
+
+namespace cairn {
+
+/// Where the write-ahead logs of a store stop being whole, as "FILE, byte N: what".
+struct LogInspection {
+  /// The last write did not finish. Nothing was written after it, so it was not acknowledged.
+  std::optional<std::string> torn_tail{};
+  /// Something is broken that a later write follows: it was whole once, and acknowledged.
+  std::optional<std::string> damage{};
+};
+
+/// RocksDB's own recovery cannot tell the two apart. Every write waits for the sync of the one
+/// before it, so a whole write behind a broken one proves damage.
+LogInspection inspect_logs(const DataFolder& folder, const std::string& store);
+
+}  // namespace cairn

@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "cairn/journal/salvage.hpp"
+
+#include "cairn/core/bytes.hpp"
+#include "cairn/journal/record.hpp"
+
+namespace cairn {
+namespace {
+
+using rocksdb::IOOptions;
+using rocksdb::Status;
+using rocksdb::WriteBatch;
+
+constexpr std::size_t kBatchBytes = 1u << 20;
+
+// Unsynced: the rebuilt store is flushed before it is used.
+Status pass_on(Store& fresh, WriteBatch& batch, std::size_t at_least) {
+  if (batch.GetDataSize() < at_least) return Status::OK();
+  const Status status = fresh.db().Write(rocksdb::WriteOptions(), &batch);
+  batch.Clear();
+  return status;
+}
+
+// A repair renames and deletes files, but never writes into one: links keep the original whole.
+bool link_store(const DataFolder& folder, const std::string& name) {
+  if (!folder.create(kRepairFolder)) return false;
+  for (const std::string& file : folder.list(name)) {
+    if (file == "LOCK" || file.rfind("MANIFEST", 0) == 0 || file == "CURRENT") continue;
+    const std::string target = folder.path(kRepairFolder) + '/' + file;
+    rocksdb::FileSystem& files = *folder.files();
+    Status status = files.LinkFile(folder.path(name) + '/' + file, target, IOOptions(), nullptr);
+    if (!status.ok()) return false;
+  }
+  return true;
+}
+
+Status copy_payloads(Store& remains, Store& fresh, std::uint64_t& kept) {
+  if (!remains.payloads()) return Status::OK();
+  WriteBatch batch;
+  // In small ranges of hashes, because an iterator does not get past a block that is broken.
+  for (int range = 0; range < 1 << 16; ++range) {
+    const char prefix[] = {static_cast<char>(range >> 8), static_cast<char>(range)};
+    const rocksdb::Slice start(prefix, sizeof prefix);
+    const std::unique_ptr<rocksdb::Iterator> it(
+        remains.db().NewIterator(rocksdb::ReadOptions(), remains.payloads()));
+    for (it->Seek(start); it->Valid() && it->key().starts_with(start); it->Next()) {
+      const std::string_view value(it->value().data(), it->value().size());
+      if (it->key().compare(slice(content_hash(value))) != 0) continue;
+      batch.Put(fresh.payloads(), it->key(), it->value());
+      ++kept;
+      if (const Status status = pass_on(fresh, batch, kBatchBytes); !status.ok()) return status;
+    }
+  }
+  return pass_on(fresh, batch, 0);
+}
+
+}  // namespace
+
+std::unique_ptr<Store> open_remains(const DataFolder& folder, const std::string& name,
+                                    const Store::Settings& settings) {
+  std::unique_ptr<Store> store;
+  if (!folder.has(name)) return store;
+  const auto& files = folder.files();
+  if (Store::open(folder.path(name), files, Store::Mode::kReadOnly, settings, store).ok())
+    return store;
+  if (!link_store(folder, name)) return store;
+  if (!Store::repair(folder.path(kRepairFolder), files).ok()) return store;
+  (void)Store::open(folder.path(kRepairFolder), files, Store::Mode::kReadOnly, settings, store);
+  return store;
+}
+
+Status copy_good_part(Store& remains, Store& fresh, OpenReport::Damage& damage) {
+  WriteBatch batch;
+  Status status;
+  const Store::Walk walk = remains.walk({}, [&](std::string_view bytes) -> Result<void> {
+    const Result<Record> record = decode_record(bytes);
+    if (!record) return record.error();
+    batch.Put(Store::record_key(record->number), slice(bytes));
+    status = pass_on(fresh, batch, kBatchBytes);
+    if (!status.ok()) return storage_error(status, fresh.folder());
+    return {};
+  });
+  if (status.ok()) status = pass_on(fresh, batch, 0);
+  if (!status.ok()) return status;
+  damage.kept = walk.last.number;
+  if (walk.problem) damage.what += "; " + walk.problem->to_string();
+  return copy_payloads(remains, fresh, damage.payloads);
+}
+
+}  // namespace cairn
