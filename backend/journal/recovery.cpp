@@ -4,6 +4,7 @@
 #include <ctime>
 #include <random>
 
+#include "cairn/journal/held_deletions.hpp"
 #include "cairn/journal/log_tail.hpp"
 #include "cairn/journal/salvage.hpp"
 #include "cairn/journal/snapshots.hpp"
@@ -67,8 +68,9 @@ class Opening {
   }
 
  private:
-  rocksdb::Status open(Store::Mode mode, std::unique_ptr<Store>& store) const {
-    return Store::open(folder_.path(kStore), folder_.files(), mode, settings_, store);
+  rocksdb::Status open(Store::Mode mode, std::unique_ptr<Store>& store) {
+    held_ = std::make_shared<HeldDeletions>(folder_.files());
+    return Store::open(folder_.path(kStore), held_, mode, settings_, store);
   }
 
   Result<void> finish_interrupted() const {
@@ -92,6 +94,11 @@ class Opening {
     if (!head) return head.error();
     if (*head != walk.last)
       return Error{ErrorCode::kBadInput, "the last record cannot be reached", store.folder()};
+    for (const std::string& file : held_->held()) {
+      if (last_record_of_table(store, file) <= head->number) continue;
+      return Error{ErrorCode::kBadInput, "the MANIFEST has lost this table of records", file};
+    }
+    held_->release();
     opened_.head = *head;
     return std::nullopt;
   }
@@ -173,6 +180,7 @@ class Opening {
   const Store::Settings settings_;
   std::optional<StoreIdentity> known_;
   OpenedStore opened_;
+  std::shared_ptr<HeldDeletions> held_;
 };
 
 }  // namespace

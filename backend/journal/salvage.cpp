@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "cairn/journal/salvage.hpp"
 
-#include "cairn/core/bytes.hpp"
+#include <rocksdb/sst_file_reader.h>
+
 #include "cairn/journal/record.hpp"
 
 namespace cairn {
@@ -34,39 +35,59 @@ bool link_store(const DataFolder& folder, const std::string& name) {
   return true;
 }
 
+std::uint64_t records_in(Store& store) {
+  return store.walk({}, [](std::string_view) -> Result<void> { return {}; }).last.number;
+}
+
 Status copy_payloads(Store& remains, Store& fresh, std::uint64_t& kept) {
   if (!remains.payloads()) return Status::OK();
   WriteBatch batch;
-  // In small ranges of hashes, because an iterator does not get past a block that is broken.
+  // An iterator does not get past a broken block: it goes on at the next range of hashes, of which
+  // there are 65536, by their first two bytes.
   for (int range = 0; range < 1 << 16; ++range) {
-    const char prefix[] = {static_cast<char>(range >> 8), static_cast<char>(range)};
-    const rocksdb::Slice start(prefix, sizeof prefix);
+    const char start[] = {static_cast<char>(range >> 8), static_cast<char>(range)};
     const std::unique_ptr<rocksdb::Iterator> it(
         remains.db().NewIterator(rocksdb::ReadOptions(), remains.payloads()));
-    for (it->Seek(start); it->Valid() && it->key().starts_with(start); it->Next()) {
+    for (it->Seek({start, sizeof start}); it->Valid(); it->Next()) {
+      const rocksdb::Slice key = it->key();
+      range = static_cast<unsigned char>(key[0]) << 8 | static_cast<unsigned char>(key[1]);
       const std::string_view value(it->value().data(), it->value().size());
-      if (it->key().compare(slice(content_hash(value))) != 0) continue;
-      batch.Put(fresh.payloads(), it->key(), it->value());
+      if (key.compare(slice(content_hash(value))) != 0) continue;
+      batch.Put(fresh.payloads(), key, it->value());
       ++kept;
       if (const Status status = pass_on(fresh, batch, kBatchBytes); !status.ok()) return status;
     }
+    if (it->status().ok()) break;
   }
   return pass_on(fresh, batch, 0);
 }
 
 }  // namespace
 
+std::uint64_t last_record_of_table(Store& store, const std::string& file) {
+  if (!file.ends_with(".sst")) return 0;
+  rocksdb::Options options;
+  options.env = store.env();
+  rocksdb::SstFileReader table(options);
+  if (!table.Open(file).ok()) return 0;
+  const std::unique_ptr<rocksdb::Iterator> it(table.NewIterator(rocksdb::ReadOptions()));
+  it->SeekToLast();
+  return it->Valid() ? Store::number_in_key(it->key()) : 0;
+}
+
 std::unique_ptr<Store> open_remains(const DataFolder& folder, const std::string& name,
                                     const Store::Settings& settings) {
-  std::unique_ptr<Store> store;
-  if (!folder.has(name)) return store;
+  std::unique_ptr<Store> as_told, repaired;
+  if (!folder.has(name)) return as_told;
   const auto& files = folder.files();
-  if (Store::open(folder.path(name), files, Store::Mode::kReadOnly, settings, store).ok())
-    return store;
-  if (!link_store(folder, name)) return store;
-  if (!Store::repair(folder.path(kRepairFolder), files).ok()) return store;
-  (void)Store::open(folder.path(kRepairFolder), files, Store::Mode::kReadOnly, settings, store);
-  return store;
+  (void)Store::open(folder.path(name), files, Store::Mode::kReadOnly, settings, as_told);
+  if (!link_store(folder, name) || !Store::repair(folder.path(kRepairFolder), files).ok() ||
+      !Store::open(folder.path(kRepairFolder), files, Store::Mode::kReadOnly, settings, repaired)
+           .ok()) {
+    return as_told;
+  }
+  return as_told && records_in(*as_told) >= records_in(*repaired) ? std::move(as_told)
+                                                                  : std::move(repaired);
 }
 
 Status copy_good_part(Store& remains, Store& fresh, OpenReport::Damage& damage) {

@@ -28,7 +28,7 @@ rocksdb::DBOptions database_options(rocksdb::Env* env, Store::Mode mode) {
   options.error_if_exists = mode == Store::Mode::kCreate;
   options.create_missing_column_families = mode == Store::Mode::kCreate;
   options.paranoid_checks = mode != Store::Mode::kReadOnly;
-  options.track_and_verify_wals_in_manifest = mode != Store::Mode::kReadOnly;
+  options.track_and_verify_wals_in_manifest = true;
   options.wal_recovery_mode = mode == Store::Mode::kStrict ? Recovery::kAbsoluteConsistency
                                                            : Recovery::kPointInTimeRecovery;
   options.max_total_wal_size = 256u << 20;
@@ -58,13 +58,6 @@ rocksdb::WriteOptions synced() {
   rocksdb::WriteOptions options;
   options.sync = true;
   return options;
-}
-
-std::uint64_t number_in_key(const rocksdb::Slice& key) {
-  std::uint64_t number = 0;
-  for (std::size_t i = 1; i < key.size(); ++i)
-    number = number << 8 | static_cast<unsigned char>(key[i]);
-  return number;
 }
 
 bool is_record(const rocksdb::Slice& key) { return key.size() == 9 && key[0] == 'r'; }
@@ -122,6 +115,13 @@ std::string Store::record_key(std::uint64_t number) {
   std::string key = "r";
   for (int shift = 56; shift >= 0; shift -= 8) key += static_cast<char>(number >> shift);
   return key;
+}
+
+std::uint64_t Store::number_in_key(const rocksdb::Slice& key) {
+  std::uint64_t number = 0;
+  for (std::size_t i = 1; is_record(key) && i < key.size(); ++i)
+    number = number << 8 | static_cast<unsigned char>(key[i]);
+  return number;
 }
 
 Status Store::write(rocksdb::WriteBatch& batch) { return db_->Write(synced(), &batch); }

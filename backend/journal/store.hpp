@@ -51,8 +51,9 @@ class Store {
   Store& operator=(const Store&) = delete;
 
   static std::string record_key(std::uint64_t number);
-  rocksdb::Status write(rocksdb::WriteBatch& batch);  ///< durable when it returns
-  rocksdb::Status flush();                            ///< everything into tables
+  static std::uint64_t number_in_key(const rocksdb::Slice& key);  ///< 0: not a record's
+  rocksdb::Status write(rocksdb::WriteBatch& batch);              ///< durable when it returns
+  rocksdb::Status flush();                                        ///< everything into tables
 
   std::optional<StoreIdentity> read_identity();
   rocksdb::Status write_identity(const StoreIdentity& identity);
