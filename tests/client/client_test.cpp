@@ -9,6 +9,7 @@
 #include "server/memory_transport.hpp"
 #include "tests/client/fake_daemon.hpp"
 #include "tests/client/temporary_folder.hpp"
+#include "tests/wire/ddsc_suppressions.hpp"
 #include "tests/wire/listeners.hpp"
 #include "tests/wire/messages.hpp"
 
@@ -189,6 +190,7 @@ TEST_P(ClientTest, RefusesWhatTheWireCannotCarry) {
 
 TEST_P(ClientTest, ShowsPosesAndWaitsForRevisions) {
   const auto daemon = start_daemon();
+  test::Inbox<PoseUpdate> updates;
   Client client = connect();
   const Revision two{.store = 9, .era = 0, .number = 2};
   EXPECT_EQ(client.wait_for(two, 1ms).error().code, ErrorCode::kUnreachable);
@@ -196,7 +198,7 @@ TEST_P(ClientTest, ShowsPosesAndWaitsForRevisions) {
   ASSERT_TRUE(client.wait_for(two, kLong));
   EXPECT_FALSE(client.wait_solved(two, 1ms));
 
-  test::Inbox<PoseUpdate> updates;  // a callback that comes late sees everything
+  // A callback that comes late sees everything.
   client.on_poses([&](const PoseUpdate& update) { updates.add(update); });
   ASSERT_EQ(updates.all().size(), 1u);
   EXPECT_EQ(updates.all()[0].chunks[0], test::chunk("a", 0, 5));
@@ -210,8 +212,8 @@ TEST_P(ClientTest, ShowsPosesAndWaitsForRevisions) {
 
 TEST_P(ClientTest, ShowsCorrections) {
   const auto daemon = start_daemon();
-  Client client = connect();
   test::Inbox<Correction> corrections;
+  Client client = connect();
   client.on_corrections([&](const Correction& correction) { corrections.add(correction); });
   daemon->transport().publish(Correction{.frame = {"a", 1}, .jump_m = 0.5});
   ASSERT_EQ(corrections.wait_for(1).size(), 1u);
@@ -234,8 +236,8 @@ TEST_P(ClientTest, CarriesCommandsAndTheirErrors) {
 
 TEST_P(ClientTest, RefusesToWaitInsideACallback) {
   const auto daemon = start_daemon();
-  Client client = connect();
   test::Inbox<ErrorCode> answers;
+  Client client = connect();
   client.on_corrections([&](const Correction&) {
     answers.add(client.submit(any(), kLong).error().code);
     answers.add(client.wait_for({}, kLong).error().code);
