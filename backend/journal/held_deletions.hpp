@@ -10,8 +10,12 @@
 
 namespace cairn {
 
-/// A file system that deletes nothing before it is told that the store is sound. RocksDB deletes
-/// what its MANIFEST does not name when it opens a store; a MANIFEST that was cut names too little.
+/// What is appended to the name of a table that would have been overwritten.
+inline constexpr char kKeptTable[] = ".kept.sst";
+
+/// A file system that deletes and overwrites no table before it is told that the store is sound.
+/// RocksDB deletes what its MANIFEST does not name when it opens a store; a MANIFEST that was cut
+/// names too little.
 class HeldDeletions : public rocksdb::FileSystemWrapper {
  public:
   explicit HeldDeletions(const std::shared_ptr<rocksdb::FileSystem>& files)
@@ -24,6 +28,19 @@ class HeldDeletions : public rocksdb::FileSystemWrapper {
     if (released_) return target()->DeleteFile(name, options, debug);
     held_.push_back(name);
     return rocksdb::IOStatus::OK();
+  }
+  rocksdb::IOStatus NewWritableFile(const std::string& name, const rocksdb::FileOptions& options,
+                                    std::unique_ptr<rocksdb::FSWritableFile>* file,
+                                    rocksdb::IODebugContext* debug) override {
+    const std::lock_guard lock(mutex_);
+    if (!released_ && name.ends_with(".sst") &&
+        target()->FileExists(name, options.io_options, debug).ok()) {
+      const std::string kept = name + kKeptTable;
+      if (const auto s = target()->RenameFile(name, kept, options.io_options, debug); !s.ok())
+        return s;
+      held_.push_back(kept);
+    }
+    return target()->NewWritableFile(name, options, file, debug);
   }
   [[nodiscard]] std::vector<std::string> held() const {
     const std::lock_guard lock(mutex_);

@@ -3,6 +3,7 @@
 
 #include <rocksdb/sst_file_reader.h>
 
+#include "cairn/journal/held_deletions.hpp"
 #include "cairn/journal/record.hpp"
 
 namespace cairn {
@@ -27,7 +28,9 @@ bool link_store(const DataFolder& folder, const std::string& name) {
   if (!folder.create(kRepairFolder)) return false;
   for (const std::string& file : folder.list(name)) {
     if (file == "LOCK" || file.rfind("MANIFEST", 0) == 0 || file == "CURRENT") continue;
-    const std::string target = folder.path(kRepairFolder) + '/' + file;
+    std::string target = folder.path(kRepairFolder) + '/' + file;
+    if (file.ends_with(kKeptTable))  // under a number that no other table has
+      target = folder.path(kRepairFolder) + "/9" + file.substr(0, file.find('.')) + ".sst";
     rocksdb::FileSystem& files = *folder.files();
     Status status = files.LinkFile(folder.path(name) + '/' + file, target, IOOptions(), nullptr);
     if (!status.ok()) return false;
