@@ -22,7 +22,15 @@ struct StoredNode {
   std::vector<double> odometry;
 };
 
-enum class FactorState : std::uint8_t { kCommitted, kDisabled, kRemoved };
+/// Whether a factor takes part in the estimate: committed ones do. Numbers are those of the
+/// journal.
+enum class FactorState : std::uint8_t {
+  kPending = 0,
+  kCommitted = 1,
+  kQuarantined = 2,
+  kDisabled = 3,
+  kRemoved = 4,
+};
 
 struct StoredFactor {
   FactorName name;

@@ -9,6 +9,7 @@
 
 #include "cairn/core/content_hash.hpp"
 #include "cairn/core/result.hpp"
+#include "cairn/graph/pose_graph.hpp"
 #include "cairn/graph/transaction.hpp"
 
 namespace cairn {
@@ -39,9 +40,6 @@ struct CommandRecord {
   std::string command;
   std::int64_t arrival_ns = 0;
 };
-
-/// Whether a loop factor takes part in the estimate.
-enum class FactorState : std::uint8_t { kPending = 0, kCommitted = 1, kQuarantined = 2 };
 
 /// What the gate decided about a loop factor, and why.
 struct VerdictRecord {

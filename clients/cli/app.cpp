@@ -6,8 +6,8 @@ namespace {
 
 // In the order `cairn --help` lists them.
 const std::vector<AddVerb> kVerbs{
-    add_optimize, add_check,    add_convert, add_info,
-    add_plot,     add_simulate, add_eval,    add_generate_docs,
+    add_optimize, add_check, add_convert, add_info,          add_plot,
+    add_simulate, add_eval,  add_replay,  add_generate_docs,
 };
 
 }  // namespace

@@ -28,5 +28,6 @@ Run add_convert(CLI::App& parent, CLI::App*& verb);
 Run add_plot(CLI::App& parent, CLI::App*& verb);
 Run add_simulate(CLI::App& parent, CLI::App*& verb);
 Run add_eval(CLI::App& parent, CLI::App*& verb);
+Run add_replay(CLI::App& parent, CLI::App*& verb);
 
 }  // namespace cairn::cli

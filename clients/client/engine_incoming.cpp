@@ -145,10 +145,23 @@ Result<std::string> Client::Engine::command(const std::string& text,
     command.key.number = ++commands_;
     replies_[command.key.number].reset();
   }
-  const auto sent = link_->send(command, static_cast<int>(timeout.count()));
+  // A daemon that was killed seems to listen until its lease ends, and its successor has not heard:
+  // ask again now and then. Commands are idempotent by their key.
+  constexpr std::chrono::milliseconds kAskAgain{1000};
   Lock lock(mutex_);
   const auto answered = [&] { return replies_[command.key.number].has_value(); };
-  const bool in_time = sent && arrived_.wait_until(lock, end, answered);
+  Result<void> sent;
+  bool in_time = false;
+  do {
+    lock.unlock();
+    const auto left = std::chrono::duration_cast<std::chrono::milliseconds>(
+        end - std::chrono::steady_clock::now());
+    sent = link_->send(command, static_cast<int>(std::max<std::int64_t>(left.count(), 0)));
+    lock.lock();
+    in_time =
+        sent && arrived_.wait_until(
+                    lock, std::min(end, std::chrono::steady_clock::now() + kAskAgain), answered);
+  } while (sent && !in_time && std::chrono::steady_clock::now() < end);
   const std::optional<Reply> reply = std::move(replies_[command.key.number]);
   replies_.erase(command.key.number);
   if (!sent) return sent.error();

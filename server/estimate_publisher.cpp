@@ -1,0 +1,124 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "server/estimate_publisher.hpp"
+
+#include <algorithm>
+
+namespace cairn {
+
+EstimatePublisher::Trajectory& EstimatePublisher::trajectory_of(const StoredNode& node) {
+  return (is_pose(node.type) ? poses_ : landmarks_)[node.id.frame];
+}
+
+void EstimatePublisher::add_new_nodes(const PoseGraph& map) {
+  for (auto i = static_cast<NodeIndex>(published_.size()); i < map.nodes.size(); ++i) {
+    const StoredNode& node = map.nodes[i];
+    Trajectory& trajectory = trajectory_of(node);
+    const std::pair<std::uint64_t, NodeIndex> entry(node.id.index, i);
+    const auto at = std::lower_bound(trajectory.nodes.begin(), trajectory.nodes.end(), entry);
+    const auto place = static_cast<std::size_t>(at - trajectory.nodes.begin());
+    trajectory.nodes.insert(at, entry);
+    // What is behind an insertion moves into other chunks.
+    for (std::size_t k = place / kMaxChunk; k <= (trajectory.nodes.size() - 1) / kMaxChunk; ++k)
+      trajectory.dirty.insert(static_cast<std::uint32_t>(k));
+    joined_.emplace(node.id.frame, node.id.frame);
+    published_.push_back(map.estimates[i]);
+  }
+}
+
+void EstimatePublisher::mark_moved(const PoseGraph& map) {
+  for (NodeIndex i = 0; i < published_.size(); ++i) {
+    if (published_[i] == map.estimates[i]) continue;
+    published_[i] = map.estimates[i];
+    Trajectory& trajectory = trajectory_of(map.nodes[i]);
+    const auto at = std::lower_bound(trajectory.nodes.begin(), trajectory.nodes.end(),
+                                     std::pair(map.nodes[i].id.index, NodeIndex{0}));
+    const auto place = static_cast<std::size_t>(at - trajectory.nodes.begin());
+    trajectory.dirty.insert(static_cast<std::uint32_t>(place / kMaxChunk));
+  }
+}
+
+OdometryFrame EstimatePublisher::root_of(const OdometryFrame& frame) {
+  OdometryFrame root = frame;
+  while (joined_.at(root) != root) root = joined_.at(root);
+  joined_[frame] = root;
+  return root;
+}
+
+// Frames that factors tie together share a map, named after the first of them.
+void EstimatePublisher::name_maps(const PoseGraph& map) {
+  for (; factors_seen_ < map.factors.size(); ++factors_seen_) {
+    const StoredFactor& factor = map.factors[factors_seen_];
+    for (std::size_t k = 1; k < factor.nodes.size(); ++k) {
+      const OdometryFrame a = root_of(map.nodes[factor.nodes[0]].id.frame);
+      const OdometryFrame b = root_of(map.nodes[factor.nodes[k]].id.frame);
+      if (a != b) joined_[std::max(a, b)] = std::min(a, b);
+    }
+  }
+  for (auto* trajectories : {&poses_, &landmarks_}) {
+    for (auto& [frame, trajectory] : *trajectories) {
+      const OdometryFrame root = root_of(frame);
+      const std::string name = root.robot + '/' + std::to_string(root.epoch);
+      if (trajectory.map == name) continue;
+      trajectory.map = name;
+      for (std::size_t k = 0; k <= (trajectory.nodes.size() - 1) / kMaxChunk; ++k)
+        trajectory.dirty.insert(static_cast<std::uint32_t>(k));
+    }
+  }
+}
+
+std::vector<PoseChunk> EstimatePublisher::pose_chunks(const PoseGraph& map) {
+  std::vector<PoseChunk> chunks;
+  for (auto& [frame, trajectory] : poses_) {
+    for (const std::uint32_t number : trajectory.dirty) {
+      PoseChunk chunk;
+      chunk.frame = frame;
+      chunk.chunk = number;
+      chunk.map = trajectory.map;
+      const std::size_t first = number * kMaxChunk;
+      const std::size_t last = std::min(first + kMaxChunk, trajectory.nodes.size());
+      chunk.type = map.nodes[trajectory.nodes[first].second].type;
+      for (std::size_t i = first; i < last; ++i) {
+        const auto& [index, node] = trajectory.nodes[i];
+        chunk.poses.push_back({index, map.nodes[node].stamp_ns, map.estimates[node]});
+      }
+      chunks.push_back(std::move(chunk));
+    }
+    trajectory.dirty.clear();
+  }
+  return chunks;
+}
+
+std::vector<LandmarkChunk> EstimatePublisher::landmark_chunks(const PoseGraph& map) {
+  std::vector<LandmarkChunk> chunks;
+  for (auto& [frame, trajectory] : landmarks_) {
+    for (const std::uint32_t number : trajectory.dirty) {
+      LandmarkChunk chunk;
+      chunk.frame = frame;
+      chunk.chunk = number;
+      chunk.map = trajectory.map;
+      const std::size_t first = number * kMaxChunk;
+      const std::size_t last = std::min(first + kMaxChunk, trajectory.nodes.size());
+      chunk.type = map.nodes[trajectory.nodes[first].second].type;
+      for (std::size_t i = first; i < last; ++i) {
+        const auto& [index, node] = trajectory.nodes[i];
+        const Estimate& p = map.estimates[node];
+        chunk.landmarks.push_back({index, {p[0], p[1], p[2]}});
+      }
+      chunks.push_back(std::move(chunk));
+    }
+    trajectory.dirty.clear();
+  }
+  return chunks;
+}
+
+void EstimatePublisher::publish(const PoseGraph& map) {
+  mark_moved(map);
+  add_new_nodes(map);
+  name_maps(map);
+  const EstimateRevisions revisions{map.graph_revision, map.solved_revision};
+  if (const auto landmarks = landmark_chunks(map); !landmarks.empty())
+    transport_.publish_landmarks(revisions, landmarks);
+  transport_.publish_poses(revisions, pose_chunks(map));
+}
+
+}  // namespace cairn

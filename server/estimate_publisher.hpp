@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <map>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "cairn/replay/map_head.hpp"
+#include "server/transport.hpp"
+
+namespace cairn {
+
+/// Cuts the live estimate into chunks of trajectories and landmarks, and sends those that changed.
+/// One thread.
+class EstimatePublisher {
+ public:
+  explicit EstimatePublisher(Transport& transport) : transport_(transport) {}
+
+  /// Publishes what differs from what was published last: new nodes, moved ones, frames that now
+  /// share a map. Sends a round of poses even where nothing changed but the revision.
+  void publish(const PoseGraph& map);
+
+ private:
+  // Nodes of one frame and one kind (poses or landmarks), in node order.
+  struct Trajectory {
+    std::vector<std::pair<std::uint64_t, NodeIndex>> nodes;  ///< (index, place in the map)
+    std::string map;
+    std::set<std::uint32_t> dirty;  ///< chunks
+  };
+
+  void add_new_nodes(const PoseGraph& map);
+  void mark_moved(const PoseGraph& map);
+  void name_maps(const PoseGraph& map);
+  [[nodiscard]] std::vector<PoseChunk> pose_chunks(const PoseGraph& map);
+  [[nodiscard]] std::vector<LandmarkChunk> landmark_chunks(const PoseGraph& map);
+  Trajectory& trajectory_of(const StoredNode& node);
+
+  Transport& transport_;
+  std::map<OdometryFrame, Trajectory> poses_, landmarks_;
+  std::vector<Estimate> published_;  ///< by node
+  std::size_t factors_seen_ = 0;
+  std::map<OdometryFrame, OdometryFrame> joined_;  ///< union-find over frames
+  OdometryFrame root_of(const OdometryFrame& frame);
+};
+
+}  // namespace cairn

@@ -1,0 +1,331 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "server/service.hpp"
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <utility>
+
+#include "cairn/core/content_hash.hpp"
+#include "server/replay_journal.hpp"
+
+namespace cairn {
+namespace {
+
+std::int64_t wall_clock_ns() {
+  return std::chrono::duration_cast<std::chrono::nanoseconds>(
+             std::chrono::system_clock::now().time_since_epoch())
+      .count();
+}
+
+// Of all estimates, in the order in which nodes arrived.
+ContentHash hash_estimates(const PoseGraph& map) {
+  std::string bytes;
+  for (NodeIndex i = 0; i < map.nodes.size(); ++i) {
+    const Estimate& estimate = map.estimates[i];
+    bytes.append(reinterpret_cast<const char*>(estimate.data()), sizeof(Estimate));
+  }
+  return content_hash(bytes);
+}
+
+}  // namespace
+
+Service::Service(Journal& journal, Transport& transport, ServiceOptions options)
+    : journal_(journal),
+      transport_(transport),
+      options_(options),
+      sequencer_(options.limits),
+      publisher_(transport) {}
+
+Service::~Service() { stop(); }
+
+Result<void> Service::start() {
+  started_ns_ = wall_clock_ns();
+  if (auto replayed = rebuild(); !replayed) return replayed;
+  if (auto started = transport_.start(*this); !started) return started;
+  last_input_ = std::chrono::steady_clock::now();
+  publish_state();
+  publisher_.publish(head_.graph());
+  decider_ = std::thread([this] { run(); });
+  return {};
+}
+
+void Service::stop() {
+  transport_.stop();
+  {
+    const std::lock_guard lock(mutex_);
+    stopping_ = true;
+  }
+  abandon_solve_ = true;
+  wake_.notify_all();
+  if (decider_.joinable()) decider_.join();
+  if (solver_.joinable()) solver_.join();
+}
+
+std::optional<Error> Service::failure() const {
+  const std::lock_guard lock(mutex_);
+  return failure_;
+}
+
+Result<void> Service::rebuild() {
+  head_ = MapHead();
+  sequencer_ = Sequencer(options_.limits);
+  return replay_journal(journal_, head_, sequencer_);
+}
+
+void Service::on_transaction(Transaction transaction, const Sender& sender) {
+  post(Arrived{std::move(transaction), sender.arrived_ns});
+}
+void Service::on_unreadable_transaction(TransactionKey key, RefusalCode code, std::string reason,
+                                        const Sender& /*sender*/) {
+  post(Unreadable{std::move(key), code, std::move(reason)});
+}
+void Service::on_client(ClientState client, const Sender& /*sender*/) { post(std::move(client)); }
+void Service::on_source_lost(std::string /*source*/, const Sender& /*sender*/) {}
+void Service::on_payload(Payload payload, const Sender& /*sender*/) {
+  transport_.publish(PayloadReceipt{payload.source, payload.epoch, payload.number, payload.hash,
+                                    PayloadAnswer::kRefused,
+                                    "this version of the daemon keeps no payloads"});
+}
+void Service::on_command(Command command) { post(std::move(command)); }
+void Service::on_rival(Status rival) {
+  if (rival.started_ns < started_ns_)
+    fail({ErrorCode::kUsage, "another daemon serves this domain: stop it, or take another domain",
+          rival.host});
+}
+void Service::on_trouble(Error error) {
+  Event event;
+  event.time_ns = wall_clock_ns();
+  event.severity = Severity::kWarning;
+  event.kind = "transport";
+  event.text = error.to_string();
+  transport_.publish(event);
+}
+
+void Service::post(Message message) {
+  {
+    const std::lock_guard lock(mutex_);
+    inbox_.push_back(std::move(message));
+  }
+  wake_.notify_one();
+}
+
+void Service::fail(Error error) {
+  const std::lock_guard lock(mutex_);
+  if (!failure_) failure_ = std::move(error);
+}
+
+void Service::run() {
+  while (true) {
+    std::deque<Message> messages;
+    {
+      std::unique_lock lock(mutex_);
+      wake_.wait_for(lock, options_.solve_after_pause,
+                     [this] { return stopping_ || !inbox_.empty(); });
+      if (stopping_) return;
+      messages.swap(inbox_);
+    }
+    if (!messages.empty()) handle(std::move(messages));
+    solve_when_idle();
+  }
+}
+
+// Everything that came while the disk was busy shares one sync.
+void Service::handle(std::deque<Message> messages) {
+  Sequencer::Outcome outcome;
+  Revision next = journal_.head().revision;
+  ++next.number;
+  std::vector<std::unique_ptr<Solved>> solutions;
+  std::vector<Command> commands;
+  std::vector<ClientState> clients;
+  for (Message& message : messages) {
+    if (auto* arrived = std::get_if<Arrived>(&message)) {
+      sequencer_.take(std::move(arrived->transaction), arrived->arrived_ns, head_, next, outcome);
+      last_input_ = std::chrono::steady_clock::now();
+    } else if (auto* unreadable = std::get_if<Unreadable>(&message)) {
+      outcome.answers.push_back({{unreadable->key, head_.graph().graph_revision, unreadable->code,
+                                  std::move(unreadable->reason)}});
+    } else if (auto* command = std::get_if<Command>(&message)) {
+      commands.push_back(std::move(*command));
+    } else if (auto* client = std::get_if<ClientState>(&message)) {
+      clients.push_back(std::move(*client));
+    } else {
+      solutions.push_back(std::move(std::get<std::unique_ptr<Solved>>(message)));
+    }
+  }
+  sequencer_.expire(wall_clock_ns(), head_, next, outcome);
+  commit(std::move(outcome));
+  for (const ClientState& client : clients) greet(client);
+  for (const auto& solved : solutions) take_solution(*solved);
+  for (const Command& command : commands) carry_out(command);
+}
+
+void Service::commit(Sequencer::Outcome outcome) {
+  if (!outcome.decisions.empty()) {
+    std::vector<Receipt> receipts;
+    std::vector<RecordBody> records;
+    Revision revision = journal_.head().revision;
+    const std::int64_t now = wall_clock_ns();
+    for (Decision& decision : outcome.decisions) {
+      ++revision.number;
+      receipts.push_back({decision.transaction.key, revision, decision.refusal, decision.reason});
+      records.push_back(record_of(std::move(decision), now));
+    }
+    if (const Result<Revision> appended = journal_.append(records); !appended) {
+      // Nothing of it happened: back to what the disk has.
+      if (journal_.failed()) fail(appended.error());
+      for (Receipt& receipt : receipts) {
+        receipt.revision = journal_.head().revision;
+        receipt.refusal = RefusalCode::kStorageFull;
+        receipt.reason = appended.error().to_string();
+        transport_.publish(receipt);
+      }
+      if (auto rebuilt = rebuild(); !rebuilt) fail(rebuilt.error());
+      return;
+    }
+    for (const Receipt& receipt : receipts) transport_.publish(receipt);
+  }
+  for (const Answer& answer : outcome.answers) transport_.publish(answer.receipt);
+  if (outcome.decisions.empty()) return;
+  publisher_.publish(head_.graph());
+  publish_state();
+}
+
+// A client sends nothing before it knows what was decided.
+void Service::greet(const ClientState& client) {
+  const JournalHead head = journal_.head();
+  SourceState state;
+  state.source = client.source;
+  state.epoch = client.epoch;
+  state.revision = head.revision;
+  state.chain = head.chain;
+  const auto counters = sequencer_.counters();
+  if (const auto known = counters.find(client.source);
+      known != counters.end() && known->second.epoch == client.epoch)
+    state.highest_decided = known->second.highest_decided;
+  transport_.publish(state);
+}
+
+void Service::publish_state() {
+  const JournalHead head = journal_.head();
+  Status status;
+  status.started_ns = started_ns_;
+  status.version = "0.1.0";
+  char host[256] = "";
+  gethostname(host, sizeof(host) - 1);
+  status.host = std::string(host) + ", process " + std::to_string(getpid());
+  status.state = DaemonState::kServing;
+  status.head = head.revision;
+  status.estimate = {head_.graph().graph_revision, head_.graph().solved_revision};
+  status.variables = head_.graph().nodes.size();
+  status.factors = head_.graph().factors.size();
+  status.chi2 = chi2_.value_or(0.0);
+  for (const auto& [name, counters] : sequencer_.counters()) {
+    transport_.publish(
+        SourceState{name, counters.epoch, counters.highest_decided, head.revision, head.chain});
+    SourceStatus source;
+    source.source = name;
+    source.epoch = counters.epoch;
+    source.highest_decided = counters.highest_decided;
+    source.accepted = counters.accepted;
+    source.refused = counters.refused;
+    source.held = counters.held;
+    source.last_refusal = counters.last_refusal;
+    status.sources.push_back(std::move(source));
+  }
+  transport_.publish(status);
+}
+
+// A solve's own record comes right after what it has seen.
+bool Service::needs_solve() const {
+  const PoseGraph& map = head_.graph();
+  if (map.factors.size() == 0) return false;
+  return !chi2_ || map.solved_revision.number + 1 < map.graph_revision.number;
+}
+
+void Service::solve_when_idle() {
+  const bool idle = std::chrono::steady_clock::now() - last_input_ >= options_.solve_after_pause;
+  if (!solving_ && needs_solve() && (idle || !awaiting_solution_.empty())) start_solve();
+}
+
+void Service::start_solve() {
+  if (solver_.joinable()) solver_.join();
+  solving_ = true;
+  solver_ = std::thread([this, base = head_.graph()] {
+    auto solved =
+        std::make_unique<Solved>(Solved{base, settle(base, [this] { return !abandon_solve_; })});
+    post(std::move(solved));
+  });
+}
+
+void Service::take_solution(const Solved& solved) {
+  solving_ = false;
+  const SolveSummary& summary = solved.settled.summary;
+  if (!summary.usable()) {
+    Event event;
+    event.time_ns = wall_clock_ns();
+    event.severity = Severity::kError;
+    event.kind = "solve_failed";
+    event.revision = solved.base.graph_revision;
+    event.text = "the last good estimate stays: " + std::string(to_string(summary.stop_reason));
+    transport_.publish(event);
+    return;
+  }
+  const auto changed = changed_estimates(head_.graph(), solved.settled);
+  const Revision base = solved.base.graph_revision;
+  if (!changed.empty() || head_.graph().solved_revision.number + 1 < base.number) {
+    if (!commit_solution(base, changed)) return;
+  }
+  chi2_ = summary.final_chi2;
+  publisher_.publish(head_.graph());
+  publish_state();
+  for (const Command& command : std::exchange(awaiting_solution_, {})) carry_out(command);
+}
+
+bool Service::commit_solution(const Revision& base,
+                              const std::vector<std::pair<NodeIndex, Estimate>>& changed) {
+  SolveRecord record;
+  record.base = base.number;
+  record.settings = "lm, multifrontal, portable, initialization auto";
+  record.start = "as sent";
+  PoseGraph after = head_.graph();
+  for (const auto& [node, estimate] : changed) {
+    const StoredNode& stored = after.nodes[node];
+    record.changed.push_back(
+        {stored.id, stored.type, {estimate.begin(), estimate.begin() + stored.start.size()}});
+    after.estimates.edit(node) = estimate;
+  }
+  record.estimates_hash = hash_estimates(after);
+  const std::vector<RecordBody> records{std::move(record)};
+  const Result<Revision> appended = journal_.append(records);
+  if (!appended) {
+    if (journal_.failed()) fail(appended.error());
+    return false;
+  }
+  head_.apply_estimates(changed, base, *appended);
+  return true;
+}
+
+void Service::carry_out(const Command& command) {
+  Reply reply;
+  reply.key = command.key;
+  if (command.text == "settle") {
+    if (needs_solve()) {
+      const bool repeated =
+          std::any_of(awaiting_solution_.begin(), awaiting_solution_.end(),
+                      [&](const Command& waiting) { return waiting.key == command.key; });
+      if (!repeated) awaiting_solution_.push_back(command);
+      return;
+    }
+    char chi2[32];
+    std::snprintf(chi2, sizeof(chi2), "%.9g", chi2_.value_or(0.0));
+    reply.text = "settled at " + to_string(head_.graph().graph_revision) + ", chi2 " + chi2;
+  } else {
+    reply.error = ErrorCode::kUsage;
+    reply.text = "unknown command '" + command.text + "'; known: settle";
+  }
+  transport_.reply(reply);
+}
+
+}  // namespace cairn

@@ -1,0 +1,112 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <atomic>
+#include <chrono>
+#include <condition_variable>
+#include <deque>
+#include <memory>
+#include <mutex>
+#include <thread>
+#include <variant>
+
+#include "cairn/journal/journal.hpp"
+#include "cairn/replay/settle.hpp"
+#include "server/estimate_publisher.hpp"
+#include "server/sequencer.hpp"
+#include "server/transport.hpp"
+
+namespace cairn {
+
+struct ServiceOptions {
+  /// A solve starts when nothing has come for so long.
+  std::chrono::milliseconds solve_after_pause{200};
+  SequencerLimits limits{};
+};
+
+/// The daemon without its process: takes transactions from a transport, makes them durable, answers
+/// them, solves when input pauses, and publishes estimates. One thread decides and writes, one
+/// solves on snapshots; nobody waits for the solver.
+class Service final : private TransportListener {
+ public:
+  /// Both must outlive the service.
+  Service(Journal& journal, Transport& transport, ServiceOptions options = {});
+  ~Service() override;
+  Service(const Service&) = delete;
+  Service& operator=(const Service&) = delete;
+
+  /// Replays the journal, publishes the estimate, then begins to listen.
+  Result<void> start();
+  /// A running solve is abandoned; it has changed nothing.
+  void stop();
+  /// What ended the service by itself, such as a disk that does not sync.
+  [[nodiscard]] std::optional<Error> failure() const;
+
+ private:
+  struct Arrived {
+    Transaction transaction;
+    std::int64_t arrived_ns;
+  };
+  struct Unreadable {
+    TransactionKey key;
+    RefusalCode code;
+    std::string reason;
+  };
+  struct Solved {
+    PoseGraph base;
+    SettledEstimate settled;
+  };
+  using Message = std::variant<Arrived, Unreadable, ClientState, Command, std::unique_ptr<Solved>>;
+
+  void on_transaction(Transaction transaction, const Sender& sender) override;
+  void on_unreadable_transaction(TransactionKey key, RefusalCode code, std::string reason,
+                                 const Sender& sender) override;
+  void on_client(ClientState client, const Sender& sender) override;
+  void on_source_lost(std::string source, const Sender& sender) override;
+  void on_payload(Payload payload, const Sender& sender) override;
+  void on_command(Command command) override;
+  void on_rival(Status rival) override;
+  void on_trouble(Error error) override;
+
+  void post(Message message);
+  void run();
+  void handle(std::deque<Message> messages);
+  void commit(Sequencer::Outcome outcome);
+  void greet(const ClientState& client);
+  void take_solution(const Solved& solved);
+  bool commit_solution(const Revision& base,
+                       const std::vector<std::pair<NodeIndex, Estimate>>& changed);
+  void carry_out(const Command& command);
+  [[nodiscard]] bool needs_solve() const;
+  void solve_when_idle();
+  void start_solve();
+  void publish_state();
+  Result<void> rebuild();
+  void fail(Error error);
+
+  Journal& journal_;
+  Transport& transport_;
+  ServiceOptions options_;
+
+  // Of the deciding thread.
+  MapHead head_;
+  Sequencer sequencer_;
+  EstimatePublisher publisher_;
+  std::chrono::steady_clock::time_point last_input_{};
+  std::vector<Command> awaiting_solution_;
+  std::int64_t started_ns_ = 0;
+  std::optional<double> chi2_;  ///< of the last solve of this process
+
+  mutable std::mutex mutex_;  // guards what follows
+  std::condition_variable wake_;
+  std::deque<Message> inbox_;
+  bool stopping_ = false;
+  std::optional<Error> failure_;
+
+  std::atomic<bool> abandon_solve_{false};
+  bool solving_ = false;  ///< of the deciding thread
+  std::thread solver_;
+  std::thread decider_;
+};
+
+}  // namespace cairn

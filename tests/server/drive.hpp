@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <random>
+#include <vector>
+
+#include "cairn/replay/settle.hpp"
+#include "server/replay_journal.hpp"
+
+namespace cairn::test {
+
+/// A drive with loops, as transactions of one robot.
+inline std::vector<Transaction> drive(std::uint64_t count) {
+  std::mt19937 random(5);
+  std::normal_distribution<double> noise(0.0, 0.05);
+  std::vector<Transaction> steps;
+  for (std::uint64_t i = 0; i < count; ++i) {
+    Transaction step;
+    const NodeId pose{{"robot", 3}, i};
+    step.variables.push_back(
+        {pose, VariableType::kPose2, {static_cast<double>(i), noise(random), 0.0}, 0, {}});
+    const auto tie = [&](std::uint64_t to, FactorKind kind) {
+      NewFactor factor;
+      factor.type = FactorType{1};
+      factor.kind = kind;
+      factor.nodes = {{pose.frame, to}, pose};
+      factor.numbers = {static_cast<double>(i - to) + noise(random),
+                        noise(random),
+                        noise(random),
+                        100.0,
+                        0.0,
+                        0.0,
+                        100.0,
+                        0.0,
+                        400.0};
+      step.factors.push_back(factor);
+    };
+    if (i > 0) tie(i - 1, FactorKind::kOdometry);
+    if (i >= 7) tie(i - 7, FactorKind::kLoop);
+    steps.push_back(step);
+  }
+  return steps;
+}
+
+/// What a journal says all nodes' estimates are, in order of arrival.
+inline std::vector<double> estimates(const Journal& journal) {
+  MapHead head;
+  Sequencer sequencer;
+  EXPECT_TRUE(replay_journal(journal, head, sequencer));
+  std::vector<double> all;
+  for (NodeIndex i = 0; i < head.graph().nodes.size(); ++i)
+    all.insert(all.end(), head.graph().estimates[i].begin(), head.graph().estimates[i].end());
+  return all;
+}
+
+/// What they are when nothing disturbs the run.
+inline std::vector<double> settled_estimates(const std::vector<Transaction>& steps) {
+  MapHead head;
+  for (std::uint64_t number = 0; const Transaction& step : steps)
+    head.apply(step, {1, 0, ++number});
+  const auto changed = changed_estimates(head.graph(), settle(head.graph()));
+  head.apply_estimates(changed, {1, 0, steps.size()}, {1, 0, steps.size() + 1});
+  std::vector<double> all;
+  for (NodeIndex i = 0; i < head.graph().nodes.size(); ++i)
+    all.insert(all.end(), head.graph().estimates[i].begin(), head.graph().estimates[i].end());
+  return all;
+}
+
+}  // namespace cairn::test
