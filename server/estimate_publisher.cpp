@@ -66,21 +66,22 @@ void EstimatePublisher::name_maps(const PoseGraph& map) {
   }
 }
 
-std::vector<PoseChunk> EstimatePublisher::pose_chunks(const PoseGraph& map) {
-  std::vector<PoseChunk> chunks;
-  for (auto& [frame, trajectory] : poses_) {
+// The chunks that changed; `append` adds one node to a chunk.
+template <class Chunk, class Append>
+std::vector<Chunk> EstimatePublisher::take_changed(std::map<OdometryFrame, Trajectory>& all,
+                                                   const PoseGraph& map, Append append) {
+  std::vector<Chunk> chunks;
+  for (auto& [frame, trajectory] : all) {
     for (const std::uint32_t number : trajectory.dirty) {
-      PoseChunk chunk;
+      Chunk chunk;
       chunk.frame = frame;
       chunk.chunk = number;
       chunk.map = trajectory.map;
       const std::size_t first = number * kMaxChunk;
       const std::size_t last = std::min(first + kMaxChunk, trajectory.nodes.size());
       chunk.type = map.nodes[trajectory.nodes[first].second].type;
-      for (std::size_t i = first; i < last; ++i) {
-        const auto& [index, node] = trajectory.nodes[i];
-        chunk.poses.push_back({index, map.nodes[node].stamp_ns, map.estimates[node]});
-      }
+      for (std::size_t i = first; i < last; ++i)
+        append(chunk, trajectory.nodes[i].first, trajectory.nodes[i].second);
       chunks.push_back(std::move(chunk));
     }
     trajectory.dirty.clear();
@@ -88,27 +89,19 @@ std::vector<PoseChunk> EstimatePublisher::pose_chunks(const PoseGraph& map) {
   return chunks;
 }
 
+std::vector<PoseChunk> EstimatePublisher::pose_chunks(const PoseGraph& map) {
+  return take_changed<PoseChunk>(
+      poses_, map, [&](PoseChunk& chunk, std::uint64_t index, NodeIndex node) {
+        chunk.poses.push_back({index, map.nodes[node].stamp_ns, map.estimates[node]});
+      });
+}
+
 std::vector<LandmarkChunk> EstimatePublisher::landmark_chunks(const PoseGraph& map) {
-  std::vector<LandmarkChunk> chunks;
-  for (auto& [frame, trajectory] : landmarks_) {
-    for (const std::uint32_t number : trajectory.dirty) {
-      LandmarkChunk chunk;
-      chunk.frame = frame;
-      chunk.chunk = number;
-      chunk.map = trajectory.map;
-      const std::size_t first = number * kMaxChunk;
-      const std::size_t last = std::min(first + kMaxChunk, trajectory.nodes.size());
-      chunk.type = map.nodes[trajectory.nodes[first].second].type;
-      for (std::size_t i = first; i < last; ++i) {
-        const auto& [index, node] = trajectory.nodes[i];
+  return take_changed<LandmarkChunk>(
+      landmarks_, map, [&](LandmarkChunk& chunk, std::uint64_t index, NodeIndex node) {
         const Estimate& p = map.estimates[node];
         chunk.landmarks.push_back({index, {p[0], p[1], p[2]}});
-      }
-      chunks.push_back(std::move(chunk));
-    }
-    trajectory.dirty.clear();
-  }
-  return chunks;
+      });
 }
 
 void EstimatePublisher::publish(const PoseGraph& map) {

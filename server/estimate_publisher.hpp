@@ -32,6 +32,9 @@ class EstimatePublisher {
   void add_new_nodes(const PoseGraph& map);
   void mark_moved(const PoseGraph& map);
   void name_maps(const PoseGraph& map);
+  template <class Chunk, class Append>
+  static std::vector<Chunk> take_changed(std::map<OdometryFrame, Trajectory>& all,
+                                         const PoseGraph& map, Append append);
   [[nodiscard]] std::vector<PoseChunk> pose_chunks(const PoseGraph& map);
   [[nodiscard]] std::vector<LandmarkChunk> landmark_chunks(const PoseGraph& map);
   Trajectory& trajectory_of(const StoredNode& node);

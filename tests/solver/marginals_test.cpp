@@ -10,28 +10,12 @@
 #include "cairn/factors/landmark_xy.hpp"
 #include "cairn/factors/landmark_xyz.hpp"
 #include "cairn/solver/optimize.hpp"
+#include "tests/solver/small_problems.hpp"
 
 namespace cairn {
 namespace {
 
-class RandomNumbers {
- public:
-  explicit RandomNumbers(std::uint32_t seed) : engine_(seed) {}
-  template <int N>
-  Eigen::Matrix<double, N, 1> vector(double scale) {
-    return scale * Eigen::Matrix<double, N, 1>::NullaryExpr([&] { return normal_(engine_); });
-  }
-  template <int N>
-  Eigen::Matrix<double, N, N> information() {
-    const Eigen::Matrix<double, N, N> root =
-        Eigen::Matrix<double, N, N>::NullaryExpr([&] { return normal_(engine_); });
-    return root * root.transpose() + Eigen::Matrix<double, N, N>::Identity();
-  }
-
- private:
-  std::mt19937 engine_;
-  std::normal_distribution<double> normal_;
-};
+using test::RandomNumbers;
 
 // A chain of poses with one loop closure, and landmarks seen from two poses each; residuals are not
 // zero.
