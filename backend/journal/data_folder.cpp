@@ -24,6 +24,19 @@ Error lock_error(const std::string& place, const std::string& message) {
   return {ErrorCode::kInternal, message, place};
 }
 
+// A lock of the open file, not of the process: it keeps out a second journal of ours as well.
+bool lock_whole(int descriptor, short type) {
+  struct flock whole {};
+  whole.l_type = type;
+  whole.l_whence = SEEK_SET;
+  return ::fcntl(descriptor, F_OFD_SETLK, &whole) == 0;
+}
+
+std::string holder_of(int descriptor) {
+  char holder[32] = {};
+  return ::pread(descriptor, holder, sizeof holder - 1, 0) > 0 ? holder : "(unknown)";
+}
+
 }  // namespace
 
 Error storage_error(const rocksdb::Status& status, const std::string& place) {
@@ -136,15 +149,10 @@ Result<std::unique_ptr<FolderLock>> FolderLock::take(const std::string& folder) 
                                  "; it must exist and be writable");
   }
   std::unique_ptr<FolderLock> lock(new FolderLock(descriptor));
-  struct flock whole {};
-  whole.l_type = F_WRLCK;
-  whole.l_whence = SEEK_SET;
-  // A lock of the open file, not of the process: it keeps out a second journal of ours as well.
-  if (::fcntl(descriptor, F_OFD_SETLK, &whole) != 0) {
-    char holder[32] = {};
-    const bool named = ::pread(descriptor, holder, sizeof holder - 1, 0) > 0;
-    return lock_error(place, "the data folder is in use by process " +
-                                 std::string(named ? holder : "(unknown)") +
+  if (!lock_whole(descriptor, F_WRLCK)) {
+    if (lock_whole(descriptor, F_RDLCK))
+      return lock_error(place, "the data folder is being read (cairn verify, log, ...); try again");
+    return lock_error(place, "the data folder is in use by process " + holder_of(descriptor) +
                                  "; stop it, or use another folder");
   }
   const std::string own = std::to_string(::getpid());
@@ -155,6 +163,21 @@ Result<std::unique_ptr<FolderLock>> FolderLock::take(const std::string& folder) 
   return lock;
 }
 
-FolderLock::~FolderLock() { ::close(descriptor_); }
+Result<std::unique_ptr<FolderLock>> FolderLock::take_for_reading(const std::string& folder) {
+  const std::string place = folder + "/LOCK";
+  const int descriptor = ::open(place.c_str(), O_RDONLY | O_CLOEXEC);
+  if (descriptor < 0 && errno != ENOENT)
+    return lock_error(place, std::string("cannot read: ") + std::strerror(errno));
+  std::unique_ptr<FolderLock> lock(new FolderLock(descriptor));
+  if (descriptor < 0 || lock_whole(descriptor, F_RDLCK)) return lock;
+  return Error{ErrorCode::kUsage,
+               "the data folder is in use by process " + holder_of(descriptor) +
+                   "; ask it with --domain, or stop it first",
+               place};
+}
+
+FolderLock::~FolderLock() {
+  if (descriptor_ >= 0) ::close(descriptor_);
+}
 
 }  // namespace cairn

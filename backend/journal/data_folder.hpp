@@ -59,6 +59,9 @@ class FolderLock {
  public:
   /// An error that names the holder where there is one.
   static Result<std::unique_ptr<FolderLock>> take(const std::string& folder);
+  /// Keeps writers out, and lets other readers in. Writes nothing: where nobody ever locked the
+  /// folder (a copy on read-only media), nothing is locked.
+  static Result<std::unique_ptr<FolderLock>> take_for_reading(const std::string& folder);
   ~FolderLock();
   FolderLock(const FolderLock&) = delete;
   FolderLock& operator=(const FolderLock&) = delete;

@@ -32,19 +32,41 @@ Result<std::unique_ptr<Journal>> Journal::open(const std::string& folder,
   journal->options_ = options;
   if (!options.file_system) journal->options_.file_system = rocksdb::FileSystem::Default();
   journal->folder_ = std::make_unique<DataFolder>(folder, journal->options_.file_system);
+  const Result<void> opened =
+      options.read_only ? journal->open_for_reading() : journal->open_for_writing();
+  if (!opened) return opened.error();
+  return journal;
+}
+
+Result<void> Journal::open_for_writing() {
+  const std::string& folder = folder_->path();
   const rocksdb::Status made =
-      journal->options_.file_system->CreateDirIfMissing(folder, rocksdb::IOOptions(), nullptr);
+      options_.file_system->CreateDirIfMissing(folder, rocksdb::IOOptions(), nullptr);
   if (!made.ok()) return storage_error(made, folder);
   Result<std::unique_ptr<FolderLock>> lock = FolderLock::take(folder);
   if (!lock) return lock.error();
-  journal->lock_ = std::move(*lock);
-  Result<OpenedStore> opened = open_store(*journal->folder_, journal->options_);
+  lock_ = std::move(*lock);
+  Result<OpenedStore> opened = open_store(*folder_, options_);
   if (!opened) return opened.error();
-  journal->store_ = std::move(opened->store);
-  journal->report_ = std::move(opened->report);
-  journal->head_ = {{opened->identity.store, opened->identity.era, opened->head.number},
-                    opened->head.hash};
-  return journal;
+  take(std::move(*opened));
+  return {};
+}
+
+Result<void> Journal::open_for_reading() {
+  Result<std::unique_ptr<FolderLock>> lock = FolderLock::take_for_reading(folder_->path());
+  if (!lock) return lock.error();
+  lock_ = std::move(*lock);
+  Result<OpenedStore> opened = open_store_for_reading(*folder_, options_);
+  if (!opened) return opened.error();
+  take(std::move(*opened));
+  failure_ = Error{ErrorCode::kUsage, "the journal was opened for reading only", folder_->path()};
+  return {};
+}
+
+void Journal::take(OpenedStore opened) {
+  store_ = std::move(opened.store);
+  report_ = std::move(opened.report);
+  head_ = {{opened.identity.store, opened.identity.era, opened.head.number}, opened.head.hash};
 }
 
 Journal::~Journal() = default;

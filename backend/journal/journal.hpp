@@ -25,6 +25,7 @@ namespace cairn {
 class DataFolder;
 class FolderLock;
 class Store;
+struct OpenedStore;
 
 struct JournalOptions {
   /// Every file operation goes through it (the lock apart). Null: the machine's file system.
@@ -35,6 +36,10 @@ struct JournalOptions {
   std::size_t write_buffer_bytes = 64u << 20;
   /// Check every record when opening, not only those since the newest snapshot of estimates.
   bool verify_all = false;
+  /// Change nothing in the folder, not even to mend it: damage is an error, and so is a folder that
+  /// is no data folder. Others may read too, but nobody may write meanwhile. Nothing can be
+  /// appended.
+  bool read_only = false;
 };
 
 /// What opening found. Nothing in it: all is well.
@@ -67,7 +72,8 @@ enum class DiskSpace { kPlenty, kLow, kFull };  ///< kLow: under 10 %, kFull: un
 class Journal {
  public:
   /// Opens the journal in `folder`, or makes one. One journal per folder at a time. Damage is no
-  /// error: the good beginning is served, the rest set aside, and open_report() tells.
+  /// error: the good beginning is served, the rest set aside, and open_report() tells. (Otherwise
+  /// with `read_only`.)
   static Result<std::unique_ptr<Journal>> open(const std::string& folder,
                                                const JournalOptions& options = {});
   ~Journal();
@@ -126,6 +132,9 @@ class Journal {
 
  private:
   Journal() = default;
+  Result<void> open_for_reading();
+  Result<void> open_for_writing();
+  void take(OpenedStore opened);
   Result<void> check_usable() const;  // the failure, where there was one
   Error fail(Error error);            // keeps it
 

@@ -21,4 +21,8 @@ struct OpenedStore {
 /// goes on from there.
 Result<OpenedStore> open_store(const DataFolder& folder, const JournalOptions& options);
 
+/// Opens the store of a data folder as it is. Changes nothing: what open_store() would mend is an
+/// error that says so, but for a torn tail, which is left out and reported.
+Result<OpenedStore> open_store_for_reading(const DataFolder& folder, const JournalOptions& options);
+
 }  // namespace cairn

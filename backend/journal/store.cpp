@@ -20,6 +20,18 @@ constexpr char kIdentityKey[] = "m";
 constexpr char kPayloadMarkKey[] = "";
 constexpr std::size_t kSmallestBlobBytes = 4096;
 
+bool changes_nothing(Store::Mode mode) {
+  return mode == Store::Mode::kReadOnly || mode == Store::Mode::kInspect ||
+         mode == Store::Mode::kInspectCut;
+}
+
+// RocksDB's own log file, which nobody asked for where nothing may change.
+class NoLog : public rocksdb::Logger {
+ public:
+  using Logger::Logv;
+  void Logv(const char* /*format*/, va_list /*arguments*/) override {}
+};
+
 rocksdb::DBOptions database_options(rocksdb::Env* env, Store::Mode mode) {
   using Recovery = rocksdb::WALRecoveryMode;
   rocksdb::DBOptions options;
@@ -29,8 +41,10 @@ rocksdb::DBOptions database_options(rocksdb::Env* env, Store::Mode mode) {
   options.create_missing_column_families = mode == Store::Mode::kCreate;
   options.paranoid_checks = mode != Store::Mode::kReadOnly;
   options.track_and_verify_wals_in_manifest = true;
-  options.wal_recovery_mode = mode == Store::Mode::kStrict ? Recovery::kAbsoluteConsistency
-                                                           : Recovery::kPointInTimeRecovery;
+  const bool strict = mode == Store::Mode::kStrict || mode == Store::Mode::kInspect;
+  options.wal_recovery_mode =
+      strict ? Recovery::kAbsoluteConsistency : Recovery::kPointInTimeRecovery;
+  if (changes_nothing(mode)) options.info_log = std::make_shared<NoLog>();
   options.max_total_wal_size = 256u << 20;
   options.info_log_level = rocksdb::WARN_LEVEL;
   options.keep_log_file_num = 3;
@@ -80,7 +94,7 @@ Status Store::open(const std::string& folder, const std::shared_ptr<rocksdb::Fil
   std::vector<ColumnFamilyDescriptor> families{
       {rocksdb::kDefaultColumnFamilyName, record_options(settings)},
       {kPayloads, payload_options(settings)}};
-  if (mode == Mode::kReadOnly) {
+  if (changes_nothing(mode)) {
     std::vector<std::string> names;
     if (const Status s = rocksdb::DB::ListColumnFamilies(options, folder, &names); !s.ok())
       return s;
@@ -88,7 +102,7 @@ Status Store::open(const std::string& folder, const std::shared_ptr<rocksdb::Fil
   }
   std::vector<rocksdb::ColumnFamilyHandle*> handles;
   rocksdb::DB* db = nullptr;
-  const Status status = mode == Mode::kReadOnly
+  const Status status = changes_nothing(mode)
                             ? rocksdb::DB::OpenForReadOnly(options, folder, families, &handles, &db)
                             : rocksdb::DB::Open(options, folder, families, &handles, &db);
   if (!status.ok()) return status;

@@ -31,10 +31,12 @@ struct ChainPoint {
 class Store {
  public:
   enum class Mode {
-    kCreate,    ///< must not exist
-    kStrict,    ///< any flaw is an error
-    kCutTail,   ///< an incomplete last write is cut
-    kReadOnly,  ///< whatever can be read; changes nothing
+    kCreate,      ///< must not exist
+    kStrict,      ///< any flaw is an error
+    kCutTail,     ///< an incomplete last write is cut
+    kReadOnly,    ///< whatever can be read; changes nothing
+    kInspect,     ///< any flaw is an error; changes nothing
+    kInspectCut,  ///< as kInspect, but an incomplete last write is left out
   };
   struct Settings {
     std::size_t write_buffer_bytes = 64u << 20;
