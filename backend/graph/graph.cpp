@@ -118,12 +118,14 @@ std::vector<VariableSlot> successors(const Graph& graph) {
 void classify_factor_kinds(Graph& graph) {
   const std::vector<VariableSlot> next = successors(graph);
   std::vector<bool> has_odometry(next.size(), false);  // for the pair (slot, next[slot])
+  std::vector<bool> is_relative;                       // by batch
+  for (const auto& batch : graph.batches()) is_relative.push_back(is_relative_pose_batch(*batch));
   // Calls visit(factor, slot) for each relative factor, with the slot of the earlier pose where it
   // joins neighbors.
   const auto for_each_relative = [&](const auto& visit) {
     for (const FactorRef factor : graph.factors()) {
+      if (!is_relative[factor.batch]) continue;
       const FactorBatch& batch = *graph.batches()[factor.batch];
-      if (!is_relative_pose_batch(batch)) continue;
       const std::uint32_t* indices = &batch.variable_indices()[2 * std::size_t{factor.index}];
       const VariableSlot a = graph.slot_of(batch.signature()[0], indices[0]);
       const VariableSlot b = graph.slot_of(batch.signature()[1], indices[1]);

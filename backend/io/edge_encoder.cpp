@@ -62,7 +62,8 @@ struct Columns {
   }
   template <int N>
   bool information(const Eigen::Matrix<double, N, N>& omega) {
-    write_information<N>(find_tag(format, line.tag)->layout, omega, line.numbers);
+    line.information_error =
+        write_information<N>(find_tag(format, line.tag)->layout, omega, line.numbers);
     return true;
   }
   [[nodiscard]] bool is_g2o() const { return format == GraphFormat::kG2o; }

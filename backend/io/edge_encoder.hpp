@@ -12,7 +12,8 @@ namespace cairn {
 struct EdgeLine {
   std::string_view tag;
   std::vector<ParameterId> parameters;
-  std::vector<double> numbers;  ///< measurement, information
+  std::vector<double> numbers;     ///< measurement, information
+  double information_error = 0.0;  ///< of what the columns read as (information_columns.hpp)
 };
 
 /// The sensor offsets a file will define. A factor's offset keeps its name where that names the

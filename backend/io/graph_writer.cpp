@@ -59,6 +59,9 @@ std::vector<std::pair<VariableId, VariableSlot>> merged_names(const GraphDocumen
 }
 
 class GraphWriter {
+  // Of an entry of the information, relative to the roots of its diagonal entries.
+  static constexpr double kLargestInformationError = 1e-9;
+
  public:
   GraphWriter(const GraphDocument& document, GraphFormat format)
       : document_(document), graph_(document.graph), format_(format), offsets_(document) {}
@@ -198,19 +201,25 @@ class GraphWriter {
                       (format_ == GraphFormat::kG2o ? "" : "; choose g2o"));
       }
       text_.tag(line.tag);
-      const std::size_t arity = batch.signature().size();
-      for (std::size_t k = 0; k < arity; ++k) {
-        const std::uint32_t index = batch.variable_indices()[factor.index * arity + k];
-        text_.add(id_of(graph_.slot_of(batch.signature()[k], index)));
-      }
+      for (const VariableSlot slot : graph_.slots_of(factor)) text_.add(id_of(slot));
       for (const ParameterId parameter : line.parameters) text_.add(parameter.value);
       if (!is_finite(line.numbers)) {
         return refuse("a factor of type " + std::string(batch.type_name()) +
                       " holds a number that is not finite");
       }
+      if (!(line.information_error <= kLargestInformationError)) return refuse_information(factor);
       text_.add(line.numbers).end();
     }
     return {};
+  }
+
+  [[nodiscard]] Error refuse_information(const FactorRef factor) const {
+    std::string vertices;
+    for (const VariableSlot slot : graph_.slots_of(factor))
+      vertices += (vertices.empty() ? "" : " and ") + std::to_string(id_of(slot));
+    return refuse("the information of the factor on vertices " + vertices +
+                  " is too near to singular for the square root that " + format_name() +
+                  " format holds; choose g2o");
   }
 
   void write_equivalences() {

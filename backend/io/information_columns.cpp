@@ -91,6 +91,19 @@ std::vector<double> square_root(const Matrix<N>& omega) {
   return root;
 }
 
+template <int N>
+double largest_error(const Matrix<N>& found, const Matrix<N>& expected) {
+  double largest = 0.0;
+  for (int i = 0; i < N; ++i) {
+    for (int j = 0; j < N; ++j) {
+      const double error = std::abs(found(i, j) - expected(i, j));
+      if (error > 0.0)
+        largest = std::max(largest, error / std::sqrt(expected(i, i)) / std::sqrt(expected(j, j)));
+    }
+  }
+  return largest;
+}
+
 }  // namespace
 
 template <int N>
@@ -127,19 +140,19 @@ Matrix<N> read_information(InformationLayout layout, std::span<const double> col
 }
 
 template <int N>
-void write_information(InformationLayout layout, const Matrix<N>& information,
-                       std::vector<double>& columns) {
+double write_information(InformationLayout layout, const Matrix<N>& information,
+                         std::vector<double>& columns) {
   if (layout == InformationLayout::kSquareRootFactor) {
     const auto root = settle(square_root<N>(information), [](const std::vector<double>& r) {
       return square_root<N>(square<N>(r));
     });
     columns.insert(columns.end(), root.begin(), root.end());
-    return;
+    return largest_error<N>(square<N>(root), information);
   }
   if constexpr (N == 3) {
     if (layout == InformationLayout::kToro2) {
       for (const auto& [i, j] : kToro2Order) columns.push_back(information(i, j));
-      return;
+      return 0.0;
     }
   }
   if constexpr (N == 6) {
@@ -147,19 +160,20 @@ void write_information(InformationLayout layout, const Matrix<N>& information,
       Matrix<N> scaled = information;
       scale_rotation(scaled, 2.0);
       append_upper_triangle<N>(scaled, columns);
-      return;
+      return 0.0;
     }
   }
   append_upper_triangle<N>(information, columns);
+  return 0.0;
 }
 
 template Matrix<1> read_information<1>(InformationLayout, std::span<const double>);
 template Matrix<2> read_information<2>(InformationLayout, std::span<const double>);
 template Matrix<3> read_information<3>(InformationLayout, std::span<const double>);
 template Matrix<6> read_information<6>(InformationLayout, std::span<const double>);
-template void write_information<1>(InformationLayout, const Matrix<1>&, std::vector<double>&);
-template void write_information<2>(InformationLayout, const Matrix<2>&, std::vector<double>&);
-template void write_information<3>(InformationLayout, const Matrix<3>&, std::vector<double>&);
-template void write_information<6>(InformationLayout, const Matrix<6>&, std::vector<double>&);
+template double write_information<1>(InformationLayout, const Matrix<1>&, std::vector<double>&);
+template double write_information<2>(InformationLayout, const Matrix<2>&, std::vector<double>&);
+template double write_information<3>(InformationLayout, const Matrix<3>&, std::vector<double>&);
+template double write_information<6>(InformationLayout, const Matrix<6>&, std::vector<double>&);
 
 }  // namespace cairn

@@ -15,9 +15,11 @@ template <int N>
 Eigen::Matrix<double, N, N> read_information(InformationLayout layout,
                                              std::span<const double> columns);
 
-/// Appends the columns that read_information takes. Omega = R^T R is settled (settle.hpp).
+/// Appends the columns that read_information takes. Omega = R^T R is settled (settle.hpp). Returns
+/// how far what they read as is from Omega: the largest error of an entry i, j relative to
+/// sqrt(Omega_ii Omega_jj). Only roots of nearly singular matrices are off.
 template <int N>
-void write_information(InformationLayout layout, const Eigen::Matrix<double, N, N>& information,
-                       std::vector<double>& columns);
+double write_information(InformationLayout layout, const Eigen::Matrix<double, N, N>& information,
+                         std::vector<double>& columns);
 
 }  // namespace cairn

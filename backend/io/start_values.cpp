@@ -31,7 +31,7 @@ struct PoseArray<Se3> {
 template <class Pose>
 struct Adjacency {
   std::vector<RelativePose<Pose>> edges;
-  std::vector<std::size_t> begin, neighbors;
+  std::vector<std::uint32_t> begin, neighbors;
 };
 
 template <class Pose>
@@ -49,13 +49,17 @@ Adjacency<Pose> adjacency_of(Graph& graph) {
   for (const auto& edge : adjacency.edges) ++begin[edge.a + 1], ++begin[edge.b + 1];
   std::partial_sum(begin.begin(), begin.end(), begin.begin());
   adjacency.neighbors.resize(2 * adjacency.edges.size());
-  std::vector<std::size_t> next(begin.begin(), begin.end() - 1);
-  for (std::size_t e = 0; e < adjacency.edges.size(); ++e) {
+  std::vector<std::uint32_t> next(begin.begin(), begin.end() - 1);
+  for (std::uint32_t e = 0; e < adjacency.edges.size(); ++e) {
     adjacency.neighbors[next[adjacency.edges[e].a]++] = e;
     adjacency.neighbors[next[adjacency.edges[e].b]++] = e;
   }
   return adjacency;
 }
+
+// Products drift; this takes it out.
+Se2 renewed(const Se2& pose) { return {pose.x(), pose.y(), pose.theta()}; }
+Se3 renewed(const Se3& pose) { return pose.retract(Se3::Tangent::Zero()); }
 
 // Breadth first from the poses in `queue`, all of them known.
 template <class Pose>
@@ -63,12 +67,11 @@ void spread(const Adjacency<Pose>& adjacency, std::vector<std::uint32_t> queue,
             std::vector<bool>& known, std::vector<Pose>& poses) {
   for (std::size_t head = 0; head < queue.size(); ++head) {
     const std::uint32_t from = queue[head];
-    for (std::size_t n = adjacency.begin[from]; n < adjacency.begin[from + 1]; ++n) {
+    for (std::uint32_t n = adjacency.begin[from]; n < adjacency.begin[from + 1]; ++n) {
       const RelativePose<Pose>& edge = adjacency.edges[adjacency.neighbors[n]];
       const std::uint32_t to = edge.a == from ? edge.b : edge.a;
       if (known[to]) continue;
-      const Pose T_map_to = poses[from] * (edge.a == from ? edge.T_a_b : edge.T_a_b.inverse());
-      poses[to] = retract(T_map_to, Pose::Tangent::Zero());  // renews what products let drift
+      poses[to] = renewed(poses[from] * (edge.a == from ? edge.T_a_b : edge.T_a_b.inverse()));
       known[to] = true;
       queue.push_back(to);
     }
@@ -113,12 +116,17 @@ void place_ahead(Values& values, const Variable& pose, const Variable& point) {
 }
 
 void place_landmarks(Graph& graph, const std::vector<bool>& has_start) {
+  std::vector<bool> sees_landmarks;  // by batch
+  for (const auto& batch : graph.batches()) {
+    const auto signature = batch->signature();
+    sees_landmarks.push_back(signature.size() == 2 && !is_pose(signature[1]));
+  }
   std::vector<bool> known(has_start);
   for (const bool may_guess : {false, true}) {  // first those that a factor tells
     for (const FactorRef factor : graph.factors()) {
+      if (!sees_landmarks[factor.batch]) continue;
       const FactorBatch& batch = *graph.batches()[factor.batch];
       const auto signature = batch.signature();
-      if (signature.size() != 2 || is_pose(signature[1])) continue;
       const std::uint32_t* indices = &batch.variable_indices()[2 * std::size_t{factor.index}];
       const VariableSlot point = graph.slot_of(signature[1], indices[1]);
       if (known[point]) continue;

@@ -282,6 +282,19 @@ TEST(RoundTrip, StandsStillWhereSquareRootInformationIsBadlyScaled) {
   EXPECT_EQ(write(read(text), GraphFormat::kIsam), text);
 }
 
+TEST(WriteGraph, RefusesInformationThatItsSquareRootCannotHold) {
+  const auto isam = [](const std::string& information) {
+    return write_graph_text(
+        read("VERTEX_SE2 4 0 0 0\nVERTEX_SE2 5 1 0 0\nEDGE_SE2 4 5 1 0 0 " + information + "\n"),
+        GraphFormat::kIsam);
+  };
+  EXPECT_TRUE(isam("1 1 0 1 0 1"));  // singular, but its root is exact
+  EXPECT_TRUE(isam("1 1 0 1.000001 0.0009 1"));
+  EXPECT_EQ(isam("1 1 0 1.00000000000001 0.9e-7 1").error().message,
+            "the information of the factor on vertices 4 and 5 is too near to singular for the "
+            "square root that isam format holds; choose g2o");
+}
+
 TEST(WriteGraph, NamesSensorOffsetsThatHaveNoName) {
   GraphDocument d = read("VERTEX_SE2 0 0 0 0\nVERTEX_XY 1 2 0\nPARAMS_SE2OFFSET 0 1 0 0\n");
   LandmarkXy factor{.p_sensor_measured = {1.0, 0.0},
