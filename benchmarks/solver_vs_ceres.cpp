@@ -143,6 +143,7 @@ std::vector<std::string> breakdown_row(const BenchmarkGraph& which, const Compar
 int main(int argc, char** argv) {
   using namespace cairn::bench;
   const Arguments arguments = parse_arguments(argc, argv);
+  keep_freed_memory();
   const cairn::SingleThreadBlas single_thread;  // the cure for both sides
   std::printf(
       "## Solver against solver: same start, one thread, median of %d interleaved runs\n\n"

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "benchmarks/support/measure.hpp"
 
+#include <malloc.h>
 #include <time.h>
 
 #include <algorithm>
@@ -44,6 +45,11 @@ std::vector<double> interleaved_medians(int rounds,
   std::vector<double> medians;
   for (const auto& of_one : samples) medians.push_back(median(of_one));
   return medians;
+}
+
+void keep_freed_memory() {
+  mallopt(M_MMAP_MAX, 0);
+  mallopt(M_TRIM_THRESHOLD, std::numeric_limits<int>::max());
 }
 
 double seconds_per_call(const std::function<void()>& call, double minimum_s) {

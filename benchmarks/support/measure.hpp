@@ -18,6 +18,10 @@ class Stopwatch {
   double start_ = now();
 };
 
+/// From now on memory that is freed stays with the process. Otherwise each contender pays the
+/// kernel for the pages that the one before gave back, and small graphs measure little else.
+void keep_freed_memory();
+
 double median(std::span<const double> samples);
 
 /// Runs every contender once per round, one after the other, so that a disturbance of the machine

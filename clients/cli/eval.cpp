@@ -37,6 +37,7 @@ struct EvalArguments {
   bool consecutive = true;
   double max_difference_s = 0.01;
   std::string json, plot;
+  bool asks_for_pairs = false;
   bool quiet = false;
 
   [[nodiscard]] AlignmentKind alignment() const {
@@ -186,6 +187,10 @@ Result<void> check_arguments(const EvalArguments& a) {
   if (a.reference == "-" && a.estimate == "-") {
     return Error{ErrorCode::kUsage, "standard input ('-') can be read only once"};
   }
+  if (a.metric == Metric::kAte && a.asks_for_pairs) {
+    return Error{ErrorCode::kUsage,
+                 "ate takes the error of every pose; --delta and --pairs belong to rpe"};
+  }
   if (!(a.max_difference_s >= 0.0 && a.max_difference_s <= 1e9)) {
     return Error{ErrorCode::kUsage, "seconds from 0 to 1e9 are expected", "--max-difference"};
   }
@@ -241,7 +246,10 @@ Run add_eval(CLI::App& parent, CLI::App*& verb) {
       "Poses are matched by time stamp (TUM), by line (KITTI) or by id (graph files). '-' reads "
       "one of the "
       "files from standard input.");
-  return [a] { return run_eval(*a); };
+  return [a, verb] {
+    a->asks_for_pairs = verb->count("--delta") + verb->count("--pairs") > 0;
+    return run_eval(*a);
+  };
 }
 
 }  // namespace cairn::cli

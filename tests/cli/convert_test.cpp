@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// `cairn convert` and `cairn info` as a user meets them.
+// `cairn convert`, `cairn info` and `cairn eval` as a user meets them.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -118,6 +118,15 @@ TEST(Info, HasNoChi2WithoutVertices) {
       run_cairn({"info", "-", "--json"}, "EDGE_SE2 0 1 1 0 0 4 0 0 9 0 16\n");
   ASSERT_EQ(result.exit_code, 0) << result.err;
   EXPECT_TRUE(nlohmann::json::parse(result.out)["input_chi2"].is_null());
+}
+
+TEST(Eval, RefusesOptionsOfTheOtherMetric) {
+  const TemporaryFolder folder;
+  const std::string in = folder.write("in.g2o", kPlanar);
+  EXPECT_EQ(run_cairn({"eval", "ate", in, in}).exit_code, 0);
+  const ProcessResult result = run_cairn({"eval", "ate", in, in, "--delta", "5"});
+  EXPECT_EQ(result.exit_code, 2);
+  EXPECT_THAT(result.err, HasSubstr("--delta and --pairs belong to rpe"));
 }
 
 }  // namespace
