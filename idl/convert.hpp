@@ -61,6 +61,8 @@ cairn_wire_Landmarks end_of_landmark_round(const EstimateRevisions& revisions);
 
 /// What can be read of a message's key, whatever else is wrong with it.
 TransactionKey key_of(const cairn_wire_Transaction& wire);
+/// The same for repetitions, whatever is wrong with them; another one than encode() gives.
+ContentHash content_of(const cairn_wire_Transaction& wire);
 EstimateRevisions from_wire(const cairn_wire_EstimateRevisions& wire);
 
 Result<Transaction> from_wire(const cairn_wire_Transaction& wire);

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
 #include <cstring>
+#include <string_view>
+#include <type_traits>
 
 #include "idl/convert.hpp"
 #include "idl/wire_checks.hpp"
@@ -99,7 +101,63 @@ std::vector<T> read_all(Checks& checks, const char* what, const Sequence& wire, 
   return all;
 }
 
+// Everything in a transaction, one after the other, each with its length.
+class Content {
+ public:
+  template <class Number>
+    requires std::is_arithmetic_v<Number>
+  void add(Number value) {
+    bytes_.append(reinterpret_cast<const char*>(&value), sizeof value);
+  }
+  void add(const char* text) {
+    const std::string_view view = text == nullptr ? std::string_view() : text;
+    add(view.size());
+    bytes_.append(view);
+  }
+  void add(const cairn_wire_Hash& hash) {
+    bytes_.append(reinterpret_cast<const char*>(hash), sizeof(cairn_wire_Hash));
+  }
+  void add(const cairn_wire_Node& node) { add_all(node.robot, node.epoch, node.index); }
+  void add(const cairn_wire_New_variable& variable) {
+    add_all(variable.node, variable.type, variable.stamp_ns);
+    add_each(variable.start);
+    add_each(variable.odometry);
+  }
+  void add(const cairn_wire_New_factor& factor) {
+    add_all(factor.type, factor.factor_kind);
+    add_each(factor.nodes);
+    add_each(factor.numbers);
+    add_each(factor.payloads);
+  }
+  void add(const cairn_wire_Factor_edit& edit) {
+    add_all(static_cast<const char*>(edit.factor.source), edit.factor.epoch,
+            edit.factor.sequence_number, edit.factor.index, edit.change);
+  }
+  template <class... T>
+  void add_all(const T&... values) {
+    (add(values), ...);
+  }
+  template <class Sequence>
+  void add_each(const Sequence& sequence) {
+    add(sequence._length);
+    for (std::uint32_t i = 0; i < sequence._length; ++i) add(sequence._buffer[i]);
+  }
+  [[nodiscard]] ContentHash hash() const { return content_hash(bytes_); }
+
+ private:
+  std::string bytes_;
+};
+
 }  // namespace
+
+ContentHash content_of(const cairn_wire_Transaction& wire) {
+  Content content;
+  content.add_all(wire.version, wire.slot, wire.sequence_number, wire.sent_ns);
+  content.add_each(wire.variables);
+  content.add_each(wire.factors);
+  content.add_each(wire.edits);
+  return content.hash();
+}
 
 cairn_wire_Transaction to_wire(const Transaction& transaction, std::uint64_t writer, Arena& arena) {
   cairn_wire_Transaction wire{};

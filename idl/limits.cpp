@@ -64,6 +64,13 @@ Result<void> check(const Transaction& transaction) {
   return check_all("edits", transaction.edits, kEdits);
 }
 
+Result<void> check_size(std::string_view transaction) {
+  if (transaction.size() <= kTransaction) return {};
+  return Error{ErrorCode::kBadInput, "the transaction has " + std::to_string(transaction.size()) +
+                                         " bytes; expected at most " +
+                                         std::to_string(kTransaction) + "; send it in parts"};
+}
+
 std::string_view cut(std::string_view text, std::size_t most) {
   if (text.size() <= most) return text;
   while (most > 0 && (static_cast<unsigned char>(text[most]) & 0xC0) == 0x80) --most;

@@ -15,6 +15,7 @@ constexpr std::size_t kName = 64;  ///< bytes of a source, robot or map name
 constexpr std::size_t kWord = 64;  ///< bytes of a payload type, an event's kind, a version
 constexpr std::size_t kReason = 1024;
 constexpr std::size_t kText = 1u << 20;  ///< a command, an event's text, one part of a reply
+constexpr std::size_t kTransaction = 16u << 20;  ///< bytes of encode()
 constexpr std::size_t kVariables = 10'000;
 constexpr std::size_t kFactors = 20'000;
 constexpr std::size_t kEdits = 10'000;
@@ -30,6 +31,9 @@ Result<void> check_count(std::string_view what, std::size_t count, std::size_t m
 
 /// A transaction that from_wire() would accept after to_wire(). Says nothing about its sense.
 Result<void> check(const Transaction& transaction);
+
+/// The same for the bytes of encode(): the middleware drops what is much longer, unanswered.
+Result<void> check_size(std::string_view transaction);
 
 /// The first `most` bytes, cut between characters of UTF-8: for texts that may lose their end.
 std::string_view cut(std::string_view text, std::size_t most);

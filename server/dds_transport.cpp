@@ -115,6 +115,8 @@ class DdsTransport final : public Transport {
 
   Result<void> attach_all(TransportListener& listener);
   int take_transactions(TransportListener& listener);
+  static void report_unreadable(const cairn_wire_Transaction& sample, std::string reason,
+                                const Sender& sender, TransportListener& listener);
   int take_clients(TransportListener& listener);
   int take_payloads(TransportListener& listener);
   int take_commands(TransportListener& listener);
@@ -188,16 +190,24 @@ int DdsTransport::take_transactions(TransportListener& listener) {
             batch.emplace_back(std::move(*transaction), sender);
             return;
           }
-          const auto code =
-              sample.version > wire::kVersion ? RefusalCode::kVersion : RefusalCode::kMalformed;
-          listener.on_unreadable_transaction(wire::key_of(sample), code,
-                                             transaction.error().message, sender);
+          report_unreadable(sample, transaction.error().message, sender, listener);
         });
   } while (count == static_cast<int>(dds::kTake) && batch.size() < kBatch);
   std::stable_sort(batch.begin(), batch.end(),
                    [](const auto& a, const auto& b) { return a.first.key < b.first.key; });
   for (auto& [transaction, sender] : batch) listener.on_transaction(std::move(transaction), sender);
   return count;
+}
+
+void DdsTransport::report_unreadable(const cairn_wire_Transaction& sample, std::string reason,
+                                     const Sender& sender, TransportListener& listener) {
+  TransactionKey key = wire::key_of(sample);
+  if (!limits::check_name("source", key.source))  // nobody could receive an answer
+    return listener.on_trouble({ErrorCode::kBadInput, std::move(reason), "a transaction"});
+  const auto code = sample.version == wire::kVersion ? RefusalCode::kMalformed  //
+                                                     : RefusalCode::kVersion;
+  listener.on_unreadable_transaction(
+      {std::move(key), wire::content_of(sample), code, std::move(reason)}, sender);
 }
 
 int DdsTransport::take_clients(TransportListener& listener) {

@@ -2,28 +2,41 @@
 #include "server/sequencer.hpp"
 
 #include <algorithm>
+#include <utility>
 
 namespace cairn {
 namespace {
 
-Receipt refusal_of(const TransactionKey& key, const Revision& head, RefusalCode code,
-                   std::string reason) {
-  return {key, head, code, std::move(reason)};
+std::string describe(RefusalCode code, const std::string& reason) {
+  return std::string(to_string(code)) + ": " + reason;
 }
 
 }  // namespace
 
+Sequencer::Sequencer(SequencerLimits limits)
+    : limits_(limits),
+      room_({limits.held - limits.held / 8, limits.held_bytes - limits.held_bytes / 8}),
+      strangers_({limits.held / 8, limits.held_bytes / 8}) {}
+
 void Sequencer::replay(const TransactionKey& key, const ContentHash& hash,
                        const std::optional<RefusalCode>& refusal, const std::string& reason,
                        const Revision& revision) {
+  Source& source = open_epoch(key);
+  source.ever_accepted |= !refusal;
+  remember(source, key, {hash, {key, revision, refusal, reason}});
+}
+
+// The decision of a transaction of a new epoch closes the one before.
+Sequencer::Source& Sequencer::open_epoch(const TransactionKey& key) {
+  const bool known = knows(key.source);
   Source& source = sources_[key.source];
-  if (source.epoch != key.epoch) {
-    if (source.highest_decided > 0) source.closed_epochs.push_back(source.epoch);
-    source.epoch = key.epoch;
+  if (known && source.epoch != key.epoch) {
+    source.closed_epochs.insert(source.epoch);
     source.kept.clear();
     source.highest_decided = 0;
   }
-  remember(source, key, {hash, {key, revision, refusal, reason}});
+  source.epoch = key.epoch;
+  return source;
 }
 
 void Sequencer::remember(Source& source, const TransactionKey& key, Kept kept) {
@@ -32,148 +45,219 @@ void Sequencer::remember(Source& source, const TransactionKey& key, Kept kept) {
   if (source.kept.size() > limits_.kept_decisions) source.kept.erase(source.kept.begin());
 }
 
-std::size_t Sequencer::held_count() const {
-  std::size_t count = 0;
-  for (const auto& [name, source] : sources_) count += source.held.size();
-  return count;
+void Sequencer::count_refusal(const Receipt& receipt) {
+  const auto source = sources_.find(receipt.key.source);
+  if (source == sources_.end() || !receipt.refusal) return;
+  ++source->second.refused[*receipt.refusal];
+  source->second.last_refusal = describe(*receipt.refusal, receipt.reason);
 }
 
-// Repetitions, conflicts and what is stale need no decision.
-std::optional<Receipt> Sequencer::answer_at_once(Source& source, const Transaction& transaction,
-                                                 const ContentHash& hash,
-                                                 const Revision& head) const {
-  const TransactionKey& key = transaction.key;
-  if (std::find(source.closed_epochs.begin(), source.closed_epochs.end(), key.epoch) !=
-      source.closed_epochs.end())
-    return refusal_of(key, head, RefusalCode::kStale,
-                      "a newer epoch of this source has begun; send with a spool of its own");
-  if (key.epoch != source.epoch || key.sequence > source.highest_decided) return std::nullopt;
+void Sequencer::answer(const TransactionKey& key, RefusalCode code, const std::string& reason,
+                       Turn& turn) {
+  turn.outcome.answers.push_back({key, turn.head.graph().graph_revision, code, reason});
+  count_refusal(turn.outcome.answers.back());
+}
+
+// Of a repetition.
+const Receipt* Sequencer::first_receipt(const Source& source, const Arrival& arrival) const {
+  const TransactionKey& key = arrival.transaction.key;
+  if (key.epoch != source.epoch) return nullptr;
   const auto kept = source.kept.find(key.sequence);
-  if (kept == source.kept.end()) {
-    return refusal_of(key, head, RefusalCode::kStale,
-                      "sequence " + std::to_string(key.sequence) +
-                          " was decided long ago; kept are the last " +
-                          std::to_string(limits_.kept_decisions));
+  return kept != source.kept.end() && kept->second.hash == arrival.hash ? &kept->second.receipt
+                                                                        : nullptr;
+}
+
+// Conflicts and what is stale need no decision.
+std::optional<Refusal> Sequencer::refuse_at_once(const Source& source, const Arrival& arrival,
+                                                 WaitingRoom& room) const {
+  const TransactionKey& key = arrival.transaction.key;
+  const std::string sequence = "sequence " + std::to_string(key.sequence);
+  if (key.sequence == 0) return Refusal{RefusalCode::kMalformed, "sequences begin with 1"};
+  if (source.closed_epochs.contains(key.epoch))
+    return Refusal{RefusalCode::kStale,
+                   "a newer epoch of this source has begun; send with a spool of its own"};
+  if (key.epoch == source.epoch && key.sequence <= source.highest_decided) {
+    if (source.kept.contains(key.sequence))
+      return Refusal{
+          RefusalCode::kConflict,
+          sequence + " was decided with other content; a sequence names one transaction"};
+    return Refusal{RefusalCode::kStale, sequence + " was decided long ago; kept are the last " +
+                                            std::to_string(limits_.kept_decisions)};
   }
-  if (kept->second.hash == hash) return kept->second.receipt;
-  return refusal_of(key, head, RefusalCode::kConflict,
-                    "sequence " + std::to_string(key.sequence) +
-                        " was decided with other content; a sequence names one transaction");
+  if (key.epoch != source.epoch && source.closed_epochs.size() >= limits_.closed_epochs)
+    return Refusal{RefusalCode::kOverBudget,
+                   "this source has begun anew " + std::to_string(limits_.closed_epochs) +
+                       " times, which is the limit; take another source name"};
+  if (const auto* waiting = room.find(key.source, {key.epoch, key.sequence});
+      waiting != nullptr && waiting->arrival.hash != arrival.hash)
+    return Refusal{RefusalCode::kConflict,
+                   sequence + " waits with other content; a sequence names one transaction"};
+  return std::nullopt;
 }
 
-// False where there is no room: the source's share is an equal part of the whole.
-bool Sequencer::hold(Source& source, Transaction&& transaction, const ContentHash& hash,
-                     std::int64_t now_ns) {
-  const std::size_t share = limits_.held / std::max<std::size_t>(sources_.size(), 1);
-  if (source.held.size() >= std::max<std::size_t>(share, 1) || held_count() >= limits_.held)
-    return false;
-  const std::uint64_t sequence = transaction.key.sequence;
-  source.held.emplace(sequence, Held{std::move(transaction), hash, now_ns, std::nullopt});
-  return true;
-}
-
-void Sequencer::take(Transaction transaction, std::int64_t now_ns, MapHead& head, Revision next,
+void Sequencer::take(Arrival arrival, std::int64_t now_ns, MapHead& head, Revision next,
                      Outcome& outcome) {
-  const TransactionKey key = transaction.key;
-  const ContentHash hash = content_hash(encode(transaction));
-  Source& source = sources_[key.source];
-  if (source.epoch == 0 && source.highest_decided == 0) source.epoch = key.epoch;
-  if (auto receipt = answer_at_once(source, transaction, hash, head.graph().graph_revision)) {
-    outcome.answers.push_back({std::move(*receipt)});
+  static const Source kStranger;
+  Turn turn{now_ns, head, next, outcome};
+  const TransactionKey key = arrival.transaction.key;
+  const auto known = sources_.find(key.source);
+  const Source& source = known == sources_.end() ? kStranger : known->second;
+  WaitingRoom& room = room_of(key.source);
+  if (const Receipt* receipt = first_receipt(source, arrival)) {
+    outcome.answers.push_back(*receipt);
     return;
   }
-  if (key.sequence == 0) {
-    outcome.answers.push_back({refusal_of(key, head.graph().graph_revision, RefusalCode::kMalformed,
-                                          "sequences begin with 1")});
-    return;
+  if (const auto refusal = refuse_at_once(source, arrival, room))
+    return answer(key, refusal->code, refusal->reason, turn);
+  if (room.find(key.source, {key.epoch, key.sequence}) != nullptr) return;  // waits already
+  if (key.sequence == 1) openers_[key.source] = key.epoch;
+  room.add(std::move(arrival), now_ns);
+  advance(key.source, turn);
+  for (const Arrival& leaving : room_of(key.source).remove_excess(key.source)) {
+    answer(leaving.transaction.key, RefusalCode::kOverBudget,
+           "too many transactions wait for earlier ones or for other sources", turn);
+    if (leaving.transaction.key.sequence == 1) openers_.erase(leaving.transaction.key.source);
   }
-  if (key.epoch != source.epoch) {  // the spool was lost, or is another one: what was held is gone
-    source.closed_epochs.push_back(source.epoch);
-    source.epoch = key.epoch;
-    source.highest_decided = 0;
-    source.kept.clear();
-    source.held.clear();
-  }
-  if (source.held.contains(key.sequence)) return;  // a repetition of what waits already
-  if (!hold(source, std::move(transaction), hash, now_ns)) {
-    outcome.answers.push_back(
-        {refusal_of(key, head.graph().graph_revision, RefusalCode::kOverBudget,
-                    "too many transactions wait for earlier ones or for other sources")});
-    return;
-  }
-  advance(key.source, now_ns, head, next, outcome);
 }
 
 // Decides what is next of this source, and then, as it may have brought what others wait for, of
 // everybody, until nothing moves.
-void Sequencer::advance(const std::string& name, std::int64_t now_ns, MapHead& head, Revision next,
-                        Outcome& outcome) {
+void Sequencer::advance(const std::string& name, Turn& turn) {
   bool moved = false;
-  while (advance_one(name, now_ns, head, next, outcome)) moved = true;
+  while (advance_one(name, turn)) moved = true;
   while (moved) {
     moved = false;
-    for (auto& [other, source] : sources_) {
-      if (source.held.empty() || !source.held.begin()->second.awaited) continue;
-      while (advance_one(other, now_ns, head, next, outcome)) moved = true;
-    }
+    for (const std::string& other : std::set<std::string>(awaiting_))
+      while (advance_one(other, turn)) moved = true;
   }
 }
 
-bool Sequencer::advance_one(const std::string& name, std::int64_t now_ns, MapHead& head,
-                            Revision next, Outcome& outcome) {
-  Source& source = sources_[name];
-  if (source.held.empty()) return false;
-  const auto first = source.held.begin();
-  if (first->first != source.highest_decided + 1) return false;
-  std::optional<Refusal> refusal = head.check(first->second.transaction);
-  if (refusal && refusal->awaited && now_ns - first->second.since_ns < limits_.patience_ns) {
-    first->second.awaited = refusal->awaited;
+// The current epoch goes first; another one begins with its sequence 1.
+std::optional<WaitingRoom::Place> Sequencer::next_of(const std::string& name) {
+  WaitingRoom& room = room_of(name);
+  if (const auto source = sources_.find(name); source != sources_.end()) {
+    const WaitingRoom::Place next{source->second.epoch, source->second.highest_decided + 1};
+    if (room.find(name, next) != nullptr) return next;
+  }
+  const auto opener = openers_.find(name);
+  if (opener == openers_.end()) return std::nullopt;
+  const WaitingRoom::Place first{opener->second, 1};
+  if (room.find(name, first) != nullptr) return first;
+  openers_.erase(opener);
+  return std::nullopt;
+}
+
+bool Sequencer::advance_one(const std::string& name, Turn& turn) {
+  const auto place = next_of(name);
+  awaiting_.erase(name);
+  if (!place) return false;
+  WaitingRoom& room = room_of(name);
+  WaitingRoom::Waiting& first = *room.find(name, *place);
+  std::optional<Refusal> refusal =
+      first.arrival.fault ? first.arrival.fault : turn.head.check(first.arrival.transaction);
+  if (refusal && refusal->awaited && turn.now_ns - first.since_ns < limits_.patience_ns) {
+    first.awaited = refusal->awaited;
+    awaiting_.insert(name);
     return false;
   }
-  Held held = std::move(first->second);
-  source.held.erase(first);
-  decide(source, std::move(held), std::move(refusal), head, next, outcome);
-  return true;
+  const auto full = no_room_for(name, !refusal);
+  Arrival arrival = room.remove(name, *place).arrival;
+  if (full)
+    answer(arrival.transaction.key, full->code, full->reason, turn);
+  else
+    decide(name, std::move(arrival), std::move(refusal), turn);
+  return !full;
 }
 
-void Sequencer::decide(Source& source, Held held, std::optional<Refusal> refusal, MapHead& head,
-                       Revision next, Outcome& outcome) {
-  Revision revision = next;
-  revision.number += outcome.decisions.size();
-  const TransactionKey key = held.transaction.key;
+// A decision makes a stranger known for ever, so there is a limit. Whoever sends nothing but
+// refusals meets it first.
+std::optional<Refusal> Sequencer::no_room_for(const std::string& name, bool accepted) const {
+  if (knows(name)) return std::nullopt;
+  if (sources_.size() >= limits_.sources)
+    return Refusal{RefusalCode::kOverBudget, "the daemon knows " + std::to_string(limits_.sources) +
+                                                 " sources, which is the limit"};
+  const auto refused = static_cast<std::size_t>(
+      std::count_if(sources_.begin(), sources_.end(),
+                    [](const auto& known) { return !known.second.ever_accepted; }));
+  if (accepted || refused < limits_.never_accepted) return std::nullopt;
+  return Refusal{RefusalCode::kOverBudget,
+                 "too many sources have sent nothing that could be accepted, like this one"};
+}
+
+void Sequencer::decide(const std::string& name, Arrival arrival, std::optional<Refusal> refusal,
+                       Turn& turn) {
+  Revision revision = turn.next;
+  revision.number += turn.outcome.decisions.size();
+  const TransactionKey key = arrival.transaction.key;
+  WaitingRoom::Line line;
+  const bool begins = !knows(name) || sources_.at(name).epoch != key.epoch;
+  if (begins) line = room_of(name).remove_line(name);
+  Source& source = open_epoch(key);
   Decision decision;
-  decision.content_hash = held.hash;
+  decision.content_hash = arrival.hash;
   if (refusal) {
     decision.refusal = refusal->code;
     decision.reason = refusal->reason;
     decision.transaction.key = key;
-    head.advance(revision);
-    ++source.refused;
-    source.last_refusal = std::string(to_string(refusal->code)) + ": " + refusal->reason;
+    turn.head.advance(revision);
   } else {
-    head.apply(held.transaction, revision);
-    decision.transaction = std::move(held.transaction);
+    turn.head.apply(arrival.transaction, revision);
+    decision.transaction = std::move(arrival.transaction);
+    source.ever_accepted = true;
     ++source.accepted;
   }
-  remember(source, key, {held.hash, {key, revision, decision.refusal, decision.reason}});
-  outcome.decisions.push_back(std::move(decision));
+  Receipt receipt{key, revision, decision.refusal, decision.reason};
+  count_refusal(receipt);
+  remember(source, key, {arrival.hash, std::move(receipt)});
+  turn.outcome.decisions.push_back(std::move(decision));
+  if (!begins) return;
+  openers_.erase(name);
+  for (auto at = line.begin(); at != line.end();) {
+    if (at->first.epoch != key.epoch && source.closed_epochs.contains(at->first.epoch)) {
+      answer(at->second.arrival.transaction.key, RefusalCode::kStale,
+             "a newer epoch of this source has begun", turn);
+      at = line.erase(at);
+    } else {
+      ++at;
+    }
+  }
+  room_.adopt(name, std::move(line));
 }
 
 void Sequencer::expire(std::int64_t now_ns, MapHead& head, Revision next, Outcome& outcome) {
-  std::vector<std::string> waiting;
-  for (const auto& [name, source] : sources_) {
-    if (!source.held.empty() && source.held.begin()->second.awaited &&
-        now_ns - source.held.begin()->second.since_ns >= limits_.patience_ns)
-      waiting.push_back(name);
+  Turn turn{now_ns, head, next, outcome};
+  for (const std::string& name : std::set<std::string>(awaiting_)) {
+    const auto place = next_of(name);
+    if (!place || now_ns - room_of(name).find(name, *place)->since_ns >= limits_.patience_ns)
+      advance(name, turn);
   }
-  for (const std::string& name : waiting) advance(name, now_ns, head, next, outcome);
+}
+
+std::vector<Receipt> Sequencer::turn_away(RefusalCode code, const std::string& reason,
+                                          const Revision& head) {
+  std::vector<Receipt> receipts;
+  for (WaitingRoom* room : {&room_, &strangers_})
+    for (const std::string& name : room->sources())
+      for (const auto& [place, waiting] : room->remove_line(name))
+        receipts.push_back({waiting.arrival.transaction.key, head, code, reason});
+  awaiting_.clear();
+  openers_.clear();
+  return receipts;
+}
+
+std::uint64_t Sequencer::highest_decided(const std::string& source, std::uint64_t epoch) const {
+  const auto known = sources_.find(source);
+  return known != sources_.end() && known->second.epoch == epoch ? known->second.highest_decided
+                                                                 : 0;
 }
 
 std::map<std::string, SourceCounters> Sequencer::counters() const {
   std::map<std::string, SourceCounters> all;
   for (const auto& [name, source] : sources_) {
-    all[name] = {source.epoch,   source.highest_decided, source.accepted,
-                 source.refused, source.held.size(),     source.last_refusal};
+    SourceCounters& counters = all[name];
+    counters = {source.epoch,         source.highest_decided, source.accepted, 0,
+                room_.count_of(name), source.last_refusal,    source.refused};
+    for (const auto& [code, count] : source.refused) counters.refused += count;
   }
   return all;
 }

@@ -75,11 +75,15 @@ Result<void> Service::rebuild() {
 }
 
 void Service::on_transaction(Transaction transaction, const Sender& sender) {
-  post(Arrived{std::move(transaction), sender.arrived_ns});
+  post(Arrived{make_arrival(std::move(transaction)), sender});
 }
-void Service::on_unreadable_transaction(TransactionKey key, RefusalCode code, std::string reason,
-                                        const Sender& /*sender*/) {
-  post(Unreadable{std::move(key), code, std::move(reason)});
+void Service::on_unreadable_transaction(UnreadableTransaction transaction, const Sender& sender) {
+  Arrival arrival;
+  arrival.transaction.key = std::move(transaction.key);
+  arrival.hash = transaction.content;
+  arrival.bytes = sizeof(Arrival) + transaction.reason.size();
+  arrival.fault = Refusal{transaction.code, std::move(transaction.reason)};
+  post(Arrived{std::move(arrival), sender});
 }
 void Service::on_client(ClientState client, const Sender& /*sender*/) { post(std::move(client)); }
 void Service::on_source_lost(std::string /*source*/, const Sender& /*sender*/) {}
@@ -141,11 +145,9 @@ void Service::handle(std::deque<Message> messages) {
   std::vector<ClientState> clients;
   for (Message& message : messages) {
     if (auto* arrived = std::get_if<Arrived>(&message)) {
-      sequencer_.take(std::move(arrived->transaction), arrived->arrived_ns, head_, next, outcome);
+      sequencer_.take(std::move(arrived->arrival), arrived->sender.arrived_ns, head_, next,
+                      outcome);
       last_input_ = std::chrono::steady_clock::now();
-    } else if (auto* unreadable = std::get_if<Unreadable>(&message)) {
-      outcome.answers.push_back({{unreadable->key, head_.graph().graph_revision, unreadable->code,
-                                  std::move(unreadable->reason)}});
     } else if (auto* command = std::get_if<Command>(&message)) {
       commands.push_back(std::move(*command));
     } else if (auto* client = std::get_if<ClientState>(&message)) {
@@ -173,20 +175,21 @@ void Service::commit(Sequencer::Outcome outcome) {
       records.push_back(record_of(std::move(decision), now));
     }
     if (const Result<Revision> appended = journal_.append(records); !appended) {
-      // Nothing of it happened: back to what the disk has.
+      // Nothing of it happened: back to what the disk has. What waits is sent again as well.
       if (journal_.failed()) fail(appended.error());
-      for (Receipt& receipt : receipts) {
-        receipt.revision = journal_.head().revision;
-        receipt.refusal = RefusalCode::kStorageFull;
-        receipt.reason = appended.error().to_string();
+      const Revision head = journal_.head().revision;
+      const std::string reason = appended.error().to_string();
+      receipts.insert(receipts.end(), outcome.answers.begin(), outcome.answers.end());
+      for (const Receipt& receipt : receipts)
+        transport_.publish(Receipt{receipt.key, head, RefusalCode::kStorageFull, reason});
+      for (const Receipt& receipt : sequencer_.turn_away(RefusalCode::kStorageFull, reason, head))
         transport_.publish(receipt);
-      }
       if (auto rebuilt = rebuild(); !rebuilt) fail(rebuilt.error());
       return;
     }
     for (const Receipt& receipt : receipts) transport_.publish(receipt);
   }
-  for (const Answer& answer : outcome.answers) transport_.publish(answer.receipt);
+  for (const Receipt& answer : outcome.answers) transport_.publish(answer);
   if (outcome.decisions.empty()) return;
   publisher_.publish(head_.graph());
   publish_state();
@@ -200,10 +203,7 @@ void Service::greet(const ClientState& client) {
   state.epoch = client.epoch;
   state.revision = head.revision;
   state.chain = head.chain;
-  const auto counters = sequencer_.counters();
-  if (const auto known = counters.find(client.source);
-      known != counters.end() && known->second.epoch == client.epoch)
-    state.highest_decided = known->second.highest_decided;
+  state.highest_decided = sequencer_.highest_decided(client.source, client.epoch);
   transport_.publish(state);
 }
 

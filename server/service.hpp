@@ -44,23 +44,17 @@ class Service final : private TransportListener {
 
  private:
   struct Arrived {
-    Transaction transaction;
-    std::int64_t arrived_ns;
-  };
-  struct Unreadable {
-    TransactionKey key;
-    RefusalCode code;
-    std::string reason;
+    Arrival arrival;
+    Sender sender;
   };
   struct Solved {
     PoseGraph base;
     SettledEstimate settled;
   };
-  using Message = std::variant<Arrived, Unreadable, ClientState, Command, std::unique_ptr<Solved>>;
+  using Message = std::variant<Arrived, ClientState, Command, std::unique_ptr<Solved>>;
 
   void on_transaction(Transaction transaction, const Sender& sender) override;
-  void on_unreadable_transaction(TransactionKey key, RefusalCode code, std::string reason,
-                                 const Sender& sender) override;
+  void on_unreadable_transaction(UnreadableTransaction transaction, const Sender& sender) override;
   void on_client(ClientState client, const Sender& sender) override;
   void on_source_lost(std::string source, const Sender& sender) override;
   void on_payload(Payload payload, const Sender& sender) override;

@@ -16,6 +16,14 @@ struct Sender {
   std::int64_t arrived_ns = 0;  ///< the daemon's clock
 };
 
+/// A transaction that breaks the wire's rules.
+struct UnreadableTransaction {
+  TransactionKey key;     ///< its names are whole
+  ContentHash content{};  ///< of everything in it: repetitions have the same
+  RefusalCode code = RefusalCode::kMalformed;
+  std::string reason;
+};
+
 /// What a transport tells the daemon. All calls come from one thread, in arrival order per sender,
 /// between start() and the return of stop(). They must not block for long: input waits meanwhile.
 class TransportListener {
@@ -24,8 +32,7 @@ class TransportListener {
 
   /// Well formed by the wire's rules; nothing is known about its sense. May be a repetition.
   virtual void on_transaction(Transaction transaction, const Sender& sender) = 0;
-  /// Breaks the wire's rules. `key` holds what could be read of it.
-  virtual void on_unreadable_transaction(TransactionKey key, RefusalCode code, std::string reason,
+  virtual void on_unreadable_transaction(UnreadableTransaction transaction,
                                          const Sender& sender) = 0;
   /// A client came, or went on: at its start, when it is connected again, and now and then.
   virtual void on_client(ClientState client, const Sender& sender) = 0;

@@ -74,6 +74,7 @@ Result<Client::Engine::Handle> Client::Engine::submit(Transaction transaction) {
   transaction.sent_ns = now_ns();
   if (auto ok = limits::check(transaction); !ok) return ok.error();
   std::string bytes = encode(transaction);
+  if (auto ok = limits::check_size(bytes); !ok) return ok.error();
   const std::uint64_t size = Spool::bytes_of(bytes);
   if (spool_bytes_ + taken_bytes_ + size > options_.spool_most_bytes)
     return Error{ErrorCode::kNotUsable,

@@ -92,8 +92,7 @@ class FakeDaemon : public TransportListener {
     if (!paused_) decide_held(source);
     changed_.notify_all();
   }
-  void on_unreadable_transaction(TransactionKey, RefusalCode, std::string, const Sender&) override {
-  }
+  void on_unreadable_transaction(UnreadableTransaction, const Sender&) override {}
   void on_client(ClientState client, const Sender& /*sender*/) override {
     const std::lock_guard lock(mutex_);
     publish_state({client.source, client.epoch});

@@ -30,15 +30,18 @@ Transaction step(const std::string& source, std::uint64_t sequence,
 class SequencerTest : public ::testing::Test {
  protected:
   Sequencer::Outcome take(const Transaction& transaction, std::int64_t now_ns = 0) {
+    return take(make_arrival(transaction), now_ns);
+  }
+  Sequencer::Outcome take(Arrival arrival, std::int64_t now_ns = 0) {
     Sequencer::Outcome outcome;
-    sequencer_.take(transaction, now_ns, head_, next(), outcome);
+    sequencer_.take(std::move(arrival), now_ns, head_, next(), outcome);
     number_ += outcome.decisions.size();
     return outcome;
   }
   [[nodiscard]] Revision next() const { return {1, 0, number_ + 1}; }
 
   MapHead head_;
-  Sequencer sequencer_{{.held = 4, .patience_ns = 100, .kept_decisions = 3}};
+  Sequencer sequencer_{{.held = 16, .patience_ns = 100, .kept_decisions = 3, .never_accepted = 2}};
   std::uint64_t number_ = 0;
 };
 
@@ -56,8 +59,8 @@ TEST_F(SequencerTest, AnswersARepetitionWithTheFirstReceipt) {
   const auto again = take(step("a", 1));
   EXPECT_TRUE(again.decisions.empty());
   ASSERT_EQ(again.answers.size(), 1U);
-  EXPECT_FALSE(again.answers[0].receipt.refusal);
-  EXPECT_EQ(again.answers[0].receipt.revision.number, 1U);
+  EXPECT_FALSE(again.answers[0].refusal);
+  EXPECT_EQ(again.answers[0].revision.number, 1U);
   EXPECT_EQ(head_.graph().nodes.size(), 1U);
 }
 
@@ -67,18 +70,18 @@ TEST_F(SequencerTest, RefusesOtherContentUnderATakenSequence) {
   other.variables[0].start[0] = 5.0;
   const auto outcome = take(other);
   ASSERT_EQ(outcome.answers.size(), 1U);
-  EXPECT_EQ(outcome.answers[0].receipt.refusal, RefusalCode::kConflict);
+  EXPECT_EQ(outcome.answers[0].refusal, RefusalCode::kConflict);
   EXPECT_EQ(head_.graph().nodes.size(), 1U);
 }
 
 TEST_F(SequencerTest, CallsStaleWhatIsBeforeTheKeptDecisionsOrOfAClosedEpoch) {
   for (std::uint64_t sequence = 1; sequence <= 5; ++sequence) take(step("a", sequence));
-  EXPECT_EQ(take(step("a", 2)).answers.at(0).receipt.refusal, RefusalCode::kStale);
-  EXPECT_FALSE(take(step("a", 3)).answers.at(0).receipt.refusal);
+  EXPECT_EQ(take(step("a", 2)).answers.at(0).refusal, RefusalCode::kStale);
+  EXPECT_FALSE(take(step("a", 3)).answers.at(0).refusal);
   Transaction newer = step("a", 1, {}, 8);
   newer.variables[0].node.index = 100;
   EXPECT_EQ(take(newer).decisions.size(), 1U);
-  EXPECT_EQ(take(step("a", 6)).answers.at(0).receipt.refusal, RefusalCode::kStale);
+  EXPECT_EQ(take(step("a", 6)).answers.at(0).refusal, RefusalCode::kStale);
 }
 
 TEST_F(SequencerTest, UsesUpTheSequenceOfAFinalRefusal) {
@@ -116,11 +119,91 @@ TEST_F(SequencerTest, RefusesWhatWaitedTooLong) {
 
 TEST_F(SequencerTest, HoldsNoMoreThanItsBudget) {
   take(step("a", 1));
-  for (std::uint64_t sequence = 3; sequence <= 6; ++sequence)
+  for (std::uint64_t sequence = 3; sequence <= 16; ++sequence)
     EXPECT_TRUE(take(step("a", sequence)).answers.empty());
-  const auto outcome = take(step("a", 7));
+  const auto outcome = take(step("a", 17));
   ASSERT_EQ(outcome.answers.size(), 1U);
-  EXPECT_EQ(outcome.answers[0].receipt.refusal, RefusalCode::kOverBudget);
+  EXPECT_EQ(outcome.answers[0].refusal, RefusalCode::kOverBudget);
+  EXPECT_EQ(take(step("a", 2)).decisions.size(), 15U);  // the room that is needed is found
+}
+
+TEST_F(SequencerTest, TakesRoomFromWhoeverHasMost) {
+  take(step("a", 1));
+  take(step("b", 1));
+  for (std::uint64_t sequence = 3; sequence <= 16; ++sequence) take(step("a", sequence));
+  const auto outcome = take(step("b", 3));
+  ASSERT_EQ(outcome.answers.size(), 1U);
+  EXPECT_EQ(outcome.answers[0].key.source, "a");
+  EXPECT_EQ(outcome.answers[0].key.sequence, 16U);
+  EXPECT_EQ(sequencer_.counters().at("b").held, 1U);
+  EXPECT_EQ(sequencer_.counters().at("a").refused_by_code.at(RefusalCode::kOverBudget), 1U);
+}
+
+TEST_F(SequencerTest, LetsInventedNamesTakeNothingFromKnownSources) {
+  take(step("a", 1));
+  for (int i = 0; i < 100; ++i) take(step("invented" + std::to_string(i), 2));
+  for (std::uint64_t sequence = 3; sequence <= 16; ++sequence)
+    EXPECT_TRUE(take(step("a", sequence)).answers.empty());
+  EXPECT_EQ(sequencer_.counters().size(), 1U);
+  EXPECT_EQ(take(step("b", 1)).decisions.size(), 1U);  // an honest newcomer
+}
+
+TEST_F(SequencerTest, RemembersFewSourcesThatSendOnlyRefusals) {
+  const auto bad = [](const std::string& source) {
+    Transaction transaction = step(source, 1);
+    transaction.variables[0].start = {1.0};
+    return transaction;
+  };
+  EXPECT_EQ(take(bad("x")).decisions.size(), 1U);
+  EXPECT_EQ(take(bad("y")).decisions.size(), 1U);
+  EXPECT_EQ(take(bad("z")).answers.at(0).refusal, RefusalCode::kOverBudget);
+  EXPECT_EQ(sequencer_.counters().size(), 2U);
+  EXPECT_EQ(take(step("z", 1)).decisions.size(), 1U);  // it has mended its ways
+}
+
+TEST_F(SequencerTest, DecidesWhatCannotBeReadInItsTurn) {
+  const auto faulty = [](std::uint64_t sequence, const std::string& bytes) {
+    Arrival arrival;
+    arrival.transaction.key = {"a", 7, sequence};
+    arrival.hash = content_hash(bytes);
+    arrival.fault = Refusal{RefusalCode::kVersion, "has format version 2"};
+    return arrival;
+  };
+  EXPECT_TRUE(take(faulty(2, "x")).decisions.empty());
+  EXPECT_TRUE(take(step("a", 3)).decisions.empty());
+  EXPECT_EQ(take(faulty(2, "y")).answers.at(0).refusal, RefusalCode::kConflict);
+  const auto outcome = take(step("a", 1));
+  ASSERT_EQ(outcome.decisions.size(), 3U);
+  EXPECT_EQ(outcome.decisions[1].refusal, RefusalCode::kVersion);
+  EXPECT_EQ(outcome.decisions[1].reason, "has format version 2");
+  EXPECT_EQ(outcome.decisions[2].refusal, RefusalCode::kUnknownVariable);  // ties to pose 2
+  EXPECT_EQ(take(faulty(2, "x")).answers.at(0).revision.number, 2U);
+  EXPECT_EQ(take(faulty(2, "x")).answers.at(0).refusal, RefusalCode::kVersion);
+  EXPECT_EQ(take(faulty(2, "y")).answers.at(0).refusal, RefusalCode::kConflict);
+  EXPECT_EQ(head_.graph().nodes.size(), 1U);
+}
+
+TEST_F(SequencerTest, BeginsAnEpochWithItsFirstDecisionOnly) {
+  take(step("a", 1));
+  EXPECT_TRUE(take(step("a", 2, {}, 8)).decisions.empty());  // waits for the first of epoch 8
+  EXPECT_EQ(take(step("a", 2)).decisions.size(), 1U);        // epoch 7 goes on
+  EXPECT_TRUE(take(step("a", 4)).decisions.empty());
+  Transaction newer = step("a", 1, {}, 8);
+  newer.variables[0].node.index = 100;
+  const auto outcome = take(newer);
+  EXPECT_EQ(outcome.decisions.size(), 2U);
+  ASSERT_EQ(outcome.answers.size(), 1U);
+  EXPECT_EQ(outcome.answers[0].refusal, RefusalCode::kStale);  // 4 of epoch 7
+}
+
+TEST_F(SequencerTest, TurnsAwayAllThatWaits) {
+  take(step("a", 1));
+  take(step("a", 3));
+  take(step("stranger", 2));
+  const auto receipts = sequencer_.turn_away(RefusalCode::kStorageFull, "full", {1, 0, 1});
+  ASSERT_EQ(receipts.size(), 2U);
+  EXPECT_EQ(receipts[1].key.source, "stranger");
+  EXPECT_EQ(sequencer_.counters().at("a").held, 0U);
 }
 
 TEST_F(SequencerTest, RemembersDecisionsThatAJournalTold) {
@@ -129,7 +212,7 @@ TEST_F(SequencerTest, RemembersDecisionsThatAJournalTold) {
   head_.apply(first, {1, 0, 1});
   const auto again = take(first);
   ASSERT_EQ(again.answers.size(), 1U);
-  EXPECT_FALSE(again.answers[0].receipt.refusal);
+  EXPECT_FALSE(again.answers[0].refusal);
 }
 
 }  // namespace

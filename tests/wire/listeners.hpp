@@ -43,7 +43,7 @@ class Inbox {
 
 struct RecordingDaemon : TransportListener {
   Inbox<std::pair<Transaction, Sender>> transactions;
-  Inbox<std::pair<TransactionKey, RefusalCode>> unreadable;
+  Inbox<UnreadableTransaction> unreadable;
   Inbox<std::pair<ClientState, Sender>> clients;
   Inbox<std::pair<std::string, Sender>> lost;
   Inbox<Payload> payloads;
@@ -54,9 +54,9 @@ struct RecordingDaemon : TransportListener {
   void on_transaction(Transaction transaction, const Sender& sender) override {
     transactions.add({std::move(transaction), sender});
   }
-  void on_unreadable_transaction(TransactionKey key, RefusalCode code, std::string /*reason*/,
+  void on_unreadable_transaction(UnreadableTransaction transaction,
                                  const Sender& /*sender*/) override {
-    unreadable.add({std::move(key), code});
+    unreadable.add(std::move(transaction));
   }
   void on_client(ClientState client, const Sender& sender) override {
     clients.add({std::move(client), sender});
