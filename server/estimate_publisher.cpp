@@ -3,6 +3,8 @@
 
 #include <algorithm>
 
+#include "cairn/replay/estimate.hpp"
+
 namespace cairn {
 
 EstimatePublisher::Trajectory& EstimatePublisher::trajectory_of(const StoredNode& node) {
@@ -21,19 +23,41 @@ void EstimatePublisher::add_new_nodes(const PoseGraph& map) {
     for (std::size_t k = place / kMaxChunk; k <= (trajectory.nodes.size() - 1) / kMaxChunk; ++k)
       trajectory.dirty.insert(static_cast<std::uint32_t>(k));
     joined_.emplace(node.id.frame, node.id.frame);
-    published_.push_back(map.estimates[i]);
   }
 }
 
 void EstimatePublisher::mark_moved(const PoseGraph& map) {
-  for (NodeIndex i = 0; i < published_.size(); ++i) {
-    if (published_[i] == map.estimates[i]) continue;
-    published_[i] = map.estimates[i];
-    Trajectory& trajectory = trajectory_of(map.nodes[i]);
+  map.estimates.for_each_changed(published_, [&](std::size_t i) {
+    const StoredNode& node = map.nodes[i];
+    Trajectory& trajectory = trajectory_of(node);
     const auto at = std::lower_bound(trajectory.nodes.begin(), trajectory.nodes.end(),
-                                     std::pair(map.nodes[i].id.index, NodeIndex{0}));
+                                     std::pair(node.id.index, NodeIndex{0}));
     const auto place = static_cast<std::size_t>(at - trajectory.nodes.begin());
     trajectory.dirty.insert(static_cast<std::uint32_t>(place / kMaxChunk));
+  });
+}
+
+// A robot that composes its odometry onto T_map_odom is where its newest keyframe says.
+void EstimatePublisher::correct_odometry(const PoseGraph& map) {
+  const EstimateRevisions revisions{map.graph_revision, map.solved_revision};
+  for (auto& [frame, trajectory] : poses_) {
+    const NodeIndex newest = trajectory.nodes.back().second;
+    const StoredNode& node = map.nodes[newest];
+    if (node.odometry.empty()) continue;
+    const Estimate T_odom_body = to_estimate(node.odometry);
+    const Estimate& T_map_body = map.estimates[newest];
+    const Estimate T_map_odom = map_from_odometry(node.type, T_map_body, T_odom_body);
+    std::optional<Correction>& known = trajectory.correction;
+    const bool same = known && known->T_map_odom == T_map_odom &&
+                      known->stamp_ns == node.stamp_ns && known->map == trajectory.map;
+    if (same) continue;
+    // Against where the correction that robots use until now puts the same keyframe.
+    const PoseDistance jump =
+        known ? distance(node.type, product(node.type, known->T_map_odom, T_odom_body), T_map_body)
+              : PoseDistance{};
+    known = Correction{frame,         trajectory.map,     node.type,         T_map_odom,
+                       node.stamp_ns, jump.translation_m, jump.rotation_rad, revisions};
+    transport_.publish(*known);
   }
 }
 
@@ -112,6 +136,8 @@ void EstimatePublisher::publish(const PoseGraph& map) {
   if (const auto landmarks = landmark_chunks(map); !landmarks.empty())
     transport_.publish_landmarks(revisions, landmarks);
   transport_.publish_poses(revisions, pose_chunks(map));
+  correct_odometry(map);
+  published_ = map.estimates;
 }
 
 }  // namespace cairn

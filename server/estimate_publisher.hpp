@@ -2,6 +2,7 @@
 #pragma once
 
 #include <map>
+#include <optional>
 #include <set>
 #include <string>
 #include <vector>
@@ -11,7 +12,8 @@
 
 namespace cairn {
 
-/// Cuts the live estimate into chunks of trajectories and landmarks, and sends those that changed.
+/// Cuts the live estimate into chunks of trajectories and landmarks, and sends those that changed,
+/// with where each robot's odometry frame lies now.
 /// One thread.
 class EstimatePublisher {
  public:
@@ -26,11 +28,13 @@ class EstimatePublisher {
   struct Trajectory {
     std::vector<std::pair<std::uint64_t, NodeIndex>> nodes;  ///< (index, place in the map)
     std::string map;
-    std::set<std::uint32_t> dirty;  ///< chunks
+    std::set<std::uint32_t> dirty;           ///< chunks
+    std::optional<Correction> correction{};  ///< as published last
   };
 
   void add_new_nodes(const PoseGraph& map);
   void mark_moved(const PoseGraph& map);
+  void correct_odometry(const PoseGraph& map);
   void name_maps(const PoseGraph& map);
   template <class Chunk, class Append>
   static std::vector<Chunk> take_changed(std::map<OdometryFrame, Trajectory>& all,
@@ -41,7 +45,7 @@ class EstimatePublisher {
 
   Transport& transport_;
   std::map<OdometryFrame, Trajectory> poses_, landmarks_;
-  std::vector<Estimate> published_;  ///< by node
+  ChunkedVector<Estimate> published_;  ///< by node
   std::size_t factors_seen_ = 0;
   std::map<OdometryFrame, OdometryFrame> joined_;  ///< union-find over frames
   OdometryFrame root_of(const OdometryFrame& frame);

@@ -2,6 +2,7 @@
 #include "server/replay_journal.hpp"
 
 #include "cairn/replay/estimate.hpp"
+#include "cairn/replay/estimate_snapshot.hpp"
 
 namespace cairn {
 namespace {
@@ -40,19 +41,53 @@ Result<void> apply(const SolveRecord& record, const Revision& revision, MapHead&
   return {};
 }
 
+struct TakenSnapshot {
+  std::uint64_t number;
+  EstimateSnapshot content;
+};
+
+// One of an older format is as good as none.
+std::optional<TakenSnapshot> take_snapshot(const Journal& journal) {
+  const std::optional<Journal::Snapshot> stored = journal.newest_snapshot();
+  if (!stored) return std::nullopt;
+  Result<EstimateSnapshot> content = decode_snapshot(stored->bytes);
+  if (!content) return std::nullopt;
+  return TakenSnapshot{stored->number, std::move(*content)};
+}
+
+Result<void> restore(const TakenSnapshot& snapshot, MapHead& head) {
+  if (snapshot.content.estimates.size() != head.graph().nodes.size())
+    return broken(snapshot.number, "the snapshot after it is of another map");
+  head.restore_estimates(snapshot.content.estimates, snapshot.content.solved);
+  return {};
+}
+
 }  // namespace
 
-Result<void> replay_journal(const Journal& journal, MapHead& head, Sequencer& sequencer) {
-  const std::uint64_t store = journal.head().revision.store;
-  return journal.for_each(1, [&](const Record& record) -> Result<void> {
-    const Revision revision{store, record.era, record.number};
-    if (const auto* transaction = std::get_if<TransactionRecord>(&record.body))
-      return apply(*transaction, revision, head, sequencer);
-    if (const auto* solve = std::get_if<SolveRecord>(&record.body))
-      return apply(*solve, revision, head);
-    head.advance(revision);  // commands and verdicts do not change the map yet
-    return {};
+Result<Replayed> replay_journal(const Journal& journal, MapHead& head, Sequencer& sequencer,
+                                const std::function<void()>& on_record) {
+  const JournalHead end = journal.head();
+  const std::optional<TakenSnapshot> snapshot = take_snapshot(journal);
+  const Result<void> replayed = journal.for_each(1, [&](const Record& record) -> Result<void> {
+    if (on_record) on_record();
+    const Revision revision{end.revision.store, record.era, record.number};
+    const bool covered = snapshot && record.number <= snapshot->number;
+    Result<void> applied;
+    if (const auto* transaction = std::get_if<TransactionRecord>(&record.body)) {
+      applied = apply(*transaction, revision, head, sequencer);
+    } else if (const auto* solve = std::get_if<SolveRecord>(&record.body); solve && !covered) {
+      applied = apply(*solve, revision, head);
+    } else {
+      head.advance(revision);  // commands and verdicts do not change the map yet
+    }
+    if (!applied || !snapshot || record.number != snapshot->number) return applied;
+    return restore(*snapshot, head);
   });
+  if (!replayed) return replayed.error();
+  if (!snapshot) return Replayed{};
+  Replayed result{.snapshot = snapshot->number};
+  if (snapshot->number == end.revision.number) result.chi2 = snapshot->content.chi2;
+  return result;
 }
 
 RecordBody record_of(Decision&& decision, std::int64_t arrival_ns) {

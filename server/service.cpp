@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "cairn/core/content_hash.hpp"
+#include "cairn/replay/estimate_snapshot.hpp"
 #include "server/replay_journal.hpp"
 
 namespace cairn {
@@ -61,6 +62,10 @@ void Service::stop() {
   wake_.notify_all();
   if (decider_.joinable()) decider_.join();
   if (solver_.joinable()) solver_.join();
+  // A start right after this one finds everything solved.
+  const std::uint64_t end = head_.graph().graph_revision.number;
+  if (chi2_ && !needs_solve() && !journal_.failed() && end > std::exchange(snapshot_at_, end))
+    write_snapshot(head_.graph(), *chi2_);
 }
 
 std::optional<Error> Service::failure() const {
@@ -71,7 +76,16 @@ std::optional<Error> Service::failure() const {
 Result<void> Service::rebuild() {
   head_ = MapHead();
   sequencer_ = Sequencer(options_.limits);
-  return replay_journal(journal_, head_, sequencer_);
+  const Result<Replayed> replayed =
+      replay_journal(journal_, head_, sequencer_, [this] { pass(ServicePoint::kReplayingRecord); });
+  if (!replayed) return replayed.error();
+  chi2_ = replayed->chi2;
+  snapshot_at_ = replayed->snapshot;
+  return {};
+}
+
+void Service::pass(ServicePoint point) const {
+  if (options_.on_point) options_.on_point(point);
 }
 
 void Service::on_transaction(Transaction transaction, const Sender& sender) {
@@ -99,11 +113,19 @@ void Service::on_rival(Status rival) {
           rival.host});
 }
 void Service::on_trouble(Error error) {
+  announce(Severity::kWarning, "transport", error.to_string());
+}
+
+void Service::announce(Severity severity, std::string kind, std::string text,
+                       const Revision& revision) {
   Event event;
+  event.number = ++events_;
   event.time_ns = wall_clock_ns();
-  event.severity = Severity::kWarning;
-  event.kind = "transport";
-  event.text = error.to_string();
+  event.severity = severity;
+  event.kind = std::move(kind);
+  event.revision = revision;
+  event.text = std::move(text);
+  if (options_.on_event) options_.on_event(event);
   transport_.publish(event);
 }
 
@@ -174,7 +196,10 @@ void Service::commit(Sequencer::Outcome outcome) {
       receipts.push_back({decision.transaction.key, revision, decision.refusal, decision.reason});
       records.push_back(record_of(std::move(decision), now));
     }
-    if (const Result<Revision> appended = journal_.append(records); !appended) {
+    pass(ServicePoint::kBeforeCommit);
+    const Result<Revision> appended = journal_.append(records);
+    pass(ServicePoint::kCommitted);
+    if (!appended) {
       // Nothing of it happened: back to what the disk has. What waits is sent again as well.
       if (journal_.failed()) fail(appended.error());
       const Revision head = journal_.head().revision;
@@ -246,30 +271,52 @@ bool Service::needs_solve() const {
 
 void Service::solve_when_idle() {
   const bool idle = std::chrono::steady_clock::now() - last_input_ >= options_.solve_after_pause;
+  if (writing_snapshot_) return;  // of the same thread
   if (!solving_ && needs_solve() && (idle || !awaiting_solution_.empty())) start_solve();
+  if (idle) write_snapshot_when_due();
 }
 
 void Service::start_solve() {
   if (solver_.joinable()) solver_.join();
   solving_ = true;
   solver_ = std::thread([this, base = head_.graph()] {
-    auto solved =
-        std::make_unique<Solved>(Solved{base, settle(base, [this] { return !abandon_solve_; })});
-    post(std::move(solved));
+    const auto keep_going = [this] {
+      pass(ServicePoint::kSolving);
+      return !abandon_solve_;
+    };
+    post(std::make_unique<Solved>(Solved{base, settle(base, keep_going)}));
   });
+}
+
+// What a start need not take from the solves before. Written by the solver's thread: nobody waits.
+void Service::write_snapshot_when_due() {
+  const bool due = head_.graph().graph_revision.number >= snapshot_at_ + options_.snapshot_every;
+  if (solving_ || !chi2_ || needs_solve() || !due) return;
+  if (solver_.joinable()) solver_.join();
+  snapshot_at_ = head_.graph().graph_revision.number;
+  writing_snapshot_ = true;
+  solver_ = std::thread([this, map = head_.graph(), chi2 = *chi2_] {
+    write_snapshot(map, chi2);
+    writing_snapshot_ = false;
+  });
+}
+
+void Service::write_snapshot(const PoseGraph& map, double chi2) {
+  pass(ServicePoint::kBeforeSnapshot);
+  const auto written =
+      journal_.write_snapshot(map.graph_revision.number, encode_snapshot(map, chi2));
+  pass(ServicePoint::kSnapshotWritten);
+  if (!written) announce(Severity::kWarning, "snapshot_failed", written.error().to_string());
 }
 
 void Service::take_solution(const Solved& solved) {
   solving_ = false;
   const SolveSummary& summary = solved.settled.summary;
   if (!summary.usable()) {
-    Event event;
-    event.time_ns = wall_clock_ns();
-    event.severity = Severity::kError;
-    event.kind = "solve_failed";
-    event.revision = solved.base.graph_revision;
-    event.text = "the last good estimate stays: " + std::string(to_string(summary.stop_reason));
-    transport_.publish(event);
+    if (summary.stop_reason == StopReason::kInterrupted) return;
+    announce(Severity::kError, "solve_failed",
+             "the last good estimate stays: " + std::string(to_string(summary.stop_reason)),
+             solved.base.graph_revision);
     return;
   }
   const auto changed = changed_estimates(head_.graph(), solved.settled);
@@ -289,22 +336,23 @@ bool Service::commit_solution(const Revision& base,
   record.base = base.number;
   record.settings = "lm, multifrontal, portable, initialization auto";
   record.start = "as sent";
-  PoseGraph after = head_.graph();
   for (const auto& [node, estimate] : changed) {
-    const StoredNode& stored = after.nodes[node];
+    const StoredNode& stored = head_.graph().nodes[node];
     record.changed.push_back(
         {stored.id, stored.type, {estimate.begin(), estimate.begin() + stored.start.size()}});
-    after.estimates.edit(node) = estimate;
   }
-  record.estimates_hash = hash_estimates(after);
+  Revision next = journal_.head().revision;
+  ++next.number;
+  head_.apply_estimates(changed, base, next);
+  record.estimates_hash = hash_estimates(head_.graph());
   const std::vector<RecordBody> records{std::move(record)};
+  pass(ServicePoint::kBeforeCommit);
   const Result<Revision> appended = journal_.append(records);
-  if (!appended) {
-    if (journal_.failed()) fail(appended.error());
-    return false;
-  }
-  head_.apply_estimates(changed, base, *appended);
-  return true;
+  pass(ServicePoint::kCommitted);
+  if (appended) return true;
+  if (journal_.failed()) fail(appended.error());
+  if (auto rebuilt = rebuild(); !rebuilt) fail(rebuilt.error());
+  return false;
 }
 
 void Service::carry_out(const Command& command) {

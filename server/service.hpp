@@ -5,6 +5,7 @@
 #include <chrono>
 #include <condition_variable>
 #include <deque>
+#include <functional>
 #include <memory>
 #include <mutex>
 #include <thread>
@@ -18,10 +19,27 @@
 
 namespace cairn {
 
+/// Moments in a service's life at which a process can be killed with different results.
+enum class ServicePoint {
+  kReplayingRecord,
+  kBeforeCommit,
+  kCommitted,  ///< and nobody told
+  kSolving,    ///< between two iterations
+  kBeforeSnapshot,
+  kSnapshotWritten,
+};
+
 struct ServiceOptions {
   /// A solve starts when nothing has come for so long.
   std::chrono::milliseconds solve_after_pause{200};
+  /// Estimates are stored beside the journal after so many records, so that a start need not apply
+  /// all solves.
+  std::uint64_t snapshot_every = 10'000;
   SequencerLimits limits{};
+  /// Told what is published as an event, for the log. From any thread.
+  std::function<void(const Event&)> on_event{};
+  /// For tests that end the process there. From any thread.
+  std::function<void(ServicePoint)> on_point{};
 };
 
 /// The daemon without its process: takes transactions from a transport, makes them durable, answers
@@ -74,6 +92,11 @@ class Service final : private TransportListener {
   [[nodiscard]] bool needs_solve() const;
   void solve_when_idle();
   void start_solve();
+  void write_snapshot_when_due();
+  void write_snapshot(const PoseGraph& map, double chi2);
+  void announce(Severity severity, std::string kind, std::string text,
+                const Revision& revision = {});
+  void pass(ServicePoint point) const;
   void publish_state();
   Result<void> rebuild();
   void fail(Error error);
@@ -89,7 +112,8 @@ class Service final : private TransportListener {
   std::chrono::steady_clock::time_point last_input_{};
   std::vector<Command> awaiting_solution_;
   std::int64_t started_ns_ = 0;
-  std::optional<double> chi2_;  ///< of the last solve of this process
+  std::optional<double> chi2_;     ///< of the last solve, where this process knows it
+  std::uint64_t snapshot_at_ = 0;  ///< the record that the newest snapshot is after
 
   mutable std::mutex mutex_;  // guards what follows
   std::condition_variable wake_;
@@ -97,7 +121,9 @@ class Service final : private TransportListener {
   bool stopping_ = false;
   std::optional<Error> failure_;
 
+  std::atomic<std::uint64_t> events_{0};
   std::atomic<bool> abandon_solve_{false};
+  std::atomic<bool> writing_snapshot_{false};
   bool solving_ = false;  ///< of the deciding thread
   std::thread solver_;
   std::thread decider_;

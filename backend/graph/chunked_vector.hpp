@@ -18,6 +18,19 @@ class ChunkedVector {
   }
   /// For writing.
   [[nodiscard]] T& edit(std::size_t i) { return own(i / kChunk)[i % kChunk]; }
+  /// Calls visit(i) for the elements of `before`, an earlier copy that this one may have outgrown,
+  /// that are different here. What the copies share is not looked at.
+  template <class Visit>
+  void for_each_changed(const ChunkedVector& before, const Visit& visit) const {
+    for (std::size_t first = 0; first < before.size_; first += kChunk) {
+      const auto& now = chunks_[first / kChunk];
+      const auto& then = before.chunks_[first / kChunk];
+      if (now == then) continue;
+      for (std::size_t i = 0; i < then->size(); ++i) {
+        if (!((*now)[i] == (*then)[i])) visit(first + i);
+      }
+    }
+  }
   void push_back(T value) {
     if (size_ % kChunk == 0) {
       chunks_.push_back(std::make_shared<Chunk>());

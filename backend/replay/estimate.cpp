@@ -2,6 +2,7 @@
 #include "cairn/replay/estimate.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 #include "cairn/factors/between.hpp"
 #include "cairn/factors/factor_codec.hpp"
@@ -33,14 +34,35 @@ Estimate to_estimate(std::span<const double> numbers) {
   return estimate;
 }
 
-std::optional<Estimate> compose(const Estimate& known, const NewFactor& factor, bool forward) {
-  const FactorTypeInfo* info = find_factor_type(factor.type);
-  const double* measured = factor.numbers.data();
+std::optional<Estimate> compose(const Estimate& known, FactorType type,
+                                std::span<const double> numbers, bool forward) {
+  const FactorTypeInfo* info = find_factor_type(type);
   if (info->name == BetweenSe2::kName)
-    return composed(pose2(known.data()), pose2(measured), forward);
+    return composed(pose2(known.data()), pose2(numbers.data()), forward);
   if (info->name == BetweenSe3::kName)
-    return composed(pose3(known.data()), pose3(measured), forward);
+    return composed(pose3(known.data()), pose3(numbers.data()), forward);
   return std::nullopt;
+}
+
+Estimate product(VariableType type, const Estimate& T_a_b, const Estimate& T_b_c) {
+  return type == VariableType::kPose2 ? composed(pose2(T_a_b.data()), pose2(T_b_c.data()), true)
+                                      : composed(pose3(T_a_b.data()), pose3(T_b_c.data()), true);
+}
+
+Estimate map_from_odometry(VariableType type, const Estimate& T_map_body,
+                           const Estimate& T_odom_body) {
+  return type == VariableType::kPose2
+             ? composed(pose2(T_map_body.data()), pose2(T_odom_body.data()), false)
+             : composed(pose3(T_map_body.data()), pose3(T_odom_body.data()), false);
+}
+
+PoseDistance distance(VariableType type, const Estimate& a, const Estimate& b) {
+  if (type == VariableType::kPose2) {
+    const Se2 between = pose2(a.data()).inverse() * pose2(b.data());
+    return {between.translation().norm(), std::abs(between.theta())};
+  }
+  const Se3 between = pose3(a.data()).inverse() * pose3(b.data());
+  return {between.translation().norm(), between.rotation().log().norm()};
 }
 
 }  // namespace cairn

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "cairn/core/check.hpp"
 #include "cairn/factors/factor_codec.hpp"
 #include "cairn/replay/estimate.hpp"
 
@@ -113,25 +114,38 @@ std::optional<Refusal> MapHead::check_edits(const Transaction& transaction) cons
   return std::nullopt;
 }
 
-// Where odometry leads from a node that is known, else the sender's guess.
-Estimate MapHead::first_estimate(const NewVariable& variable,
-                                 const Transaction& transaction) const {
-  for (const NewFactor& factor : transaction.factors) {
+// Which factor of the transaction leads to the variable from a node that is known, by odometry.
+std::optional<std::uint32_t> MapHead::placing_factor(const NewVariable& variable,
+                                                     const Transaction& transaction) const {
+  for (std::uint32_t i = 0; i < transaction.factors.size(); ++i) {
+    const NewFactor& factor = transaction.factors[i];
     if (factor.kind != FactorKind::kOdometry || factor.nodes.size() != 2) continue;
     const bool forward = factor.nodes[1] == variable.node;
     if (!forward && factor.nodes[0] != variable.node) continue;
     const auto other = find(factor.nodes[forward ? 0 : 1]);
-    if (!other) continue;
-    if (auto composed = compose(graph_.estimates[*other], factor, forward)) return *composed;
+    if (other && compose(graph_.estimates[*other], factor.type, factor.numbers, forward)) return i;
   }
-  return to_estimate(variable.start);
+  return std::nullopt;
+}
+
+// Where odometry leads to.
+std::optional<Estimate> MapHead::composed(NodeIndex node) const {
+  if (arrivals_[node].placed_by == kNone) return std::nullopt;
+  const StoredFactor& factor = graph_.factors[arrivals_[node].placed_by];
+  const bool forward = factor.nodes[1] == node;
+  return compose(graph_.estimates[factor.nodes[forward ? 0 : 1]], factor.type, factor.numbers,
+                 forward);
 }
 
 void MapHead::apply(const Transaction& transaction, const Revision& revision) {
   graph_.graph_revision = revision;
+  const auto first_new = static_cast<NodeIndex>(graph_.nodes.size());
+  const auto first_factor = static_cast<std::uint32_t>(graph_.factors.size());
   for (const NewVariable& variable : transaction.variables) {
     const auto index = static_cast<NodeIndex>(graph_.nodes.size());
-    graph_.estimates.push_back(first_estimate(variable, transaction));
+    const auto factor = placing_factor(variable, transaction);
+    arrivals_.push_back({revision.number, factor ? first_factor + *factor : kNone});
+    graph_.estimates.push_back(to_estimate(variable.start));
     graph_.nodes.push_back(
         {variable.node, variable.type, variable.stamp_ns, variable.start, variable.odometry});
     index_of_node_.emplace(variable.node, index);
@@ -146,6 +160,7 @@ void MapHead::apply(const Transaction& transaction, const Revision& revision) {
     for (const NodeId& node : factor.nodes) stored.nodes.push_back(*find(node));
     graph_.factors.push_back(std::move(stored));
   }
+  compose_from(first_new);
   constexpr FactorState kStates[] = {FactorState::kDisabled, FactorState::kCommitted,
                                      FactorState::kRemoved};
   for (const FactorEdit& edit : transaction.edits) {
@@ -159,6 +174,24 @@ void MapHead::apply_estimates(std::span<const std::pair<NodeIndex, Estimate>> ch
   for (const auto& [node, estimate] : changed) graph_.estimates.edit(node) = estimate;
   graph_.solved_revision = base;
   graph_.graph_revision = revision;
+  const auto first_since =
+      std::partition_point(arrivals_.begin(), arrivals_.end(),
+                           [&](const Arrival& arrival) { return arrival.number <= base.number; });
+  compose_from(static_cast<NodeIndex>(first_since - arrivals_.begin()));
+}
+
+void MapHead::compose_from(NodeIndex first) {
+  for (NodeIndex node = first; node < graph_.nodes.size(); ++node) {
+    const auto estimate = composed(node);
+    if (estimate && *estimate != graph_.estimates[node]) graph_.estimates.edit(node) = *estimate;
+  }
+}
+
+void MapHead::restore_estimates(std::span<const Estimate> estimates, const Revision& solved) {
+  CAIRN_CHECK(estimates.size() == graph_.nodes.size(), "one estimate for each node");
+  for (NodeIndex node = 0; node < estimates.size(); ++node)
+    graph_.estimates.edit(node) = estimates[node];
+  graph_.solved_revision = solved;
 }
 
 }  // namespace cairn

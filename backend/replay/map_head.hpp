@@ -6,6 +6,7 @@
 #include <span>
 #include <string>
 #include <unordered_map>
+#include <vector>
 
 #include "cairn/graph/pose_graph.hpp"
 
@@ -26,11 +27,14 @@ class MapHead {
   [[nodiscard]] std::optional<Refusal> check(const Transaction& transaction) const;
   /// Applies what check() let pass.
   void apply(const Transaction& transaction, const Revision& revision);
-  /// Takes the estimates of a solve for the nodes that were there at its base.
+  /// Takes the estimates of a solve for the nodes that were there at its base, and composes those
+  /// that have come since onto them.
   void apply_estimates(std::span<const std::pair<NodeIndex, Estimate>> changed,
                        const Revision& base, const Revision& revision);
   /// A record that changes neither graph nor estimates.
   void advance(const Revision& revision) { graph_.graph_revision = revision; }
+  /// Puts estimates in place of all, as a snapshot of them says; one for each node.
+  void restore_estimates(std::span<const Estimate> estimates, const Revision& solved);
 
   [[nodiscard]] const PoseGraph& graph() const { return graph_; }
   [[nodiscard]] std::optional<NodeIndex> find(const NodeId& node) const;
@@ -41,11 +45,22 @@ class MapHead {
   [[nodiscard]] std::optional<Refusal> check_edits(const Transaction& transaction) const;
   [[nodiscard]] std::optional<VariableType> type_of(const NodeId& node,
                                                     const Transaction& transaction) const;
-  [[nodiscard]] Estimate first_estimate(const NewVariable& variable,
-                                        const Transaction& transaction) const;
+  [[nodiscard]] std::optional<std::uint32_t> placing_factor(const NewVariable& variable,
+                                                            const Transaction& transaction) const;
+  [[nodiscard]] std::optional<Estimate> composed(NodeIndex node) const;
+  void compose_from(NodeIndex first);
   [[nodiscard]] bool is_own(const NodeId& node, const Transaction& transaction) const;
 
+  // How a node came to be where it is until a solve has seen it.
+  struct Arrival {
+    std::uint64_t number;  ///< of its record
+    std::uint32_t
+        placed_by;  ///< place in graph_.factors of the odometry that leads to it; or kNone
+  };
+  static constexpr std::uint32_t kNone = ~std::uint32_t{0};
+
   PoseGraph graph_;
+  std::vector<Arrival> arrivals_;  ///< by node
   std::unordered_map<NodeId, NodeIndex> index_of_node_;
   std::map<TransactionKey, std::size_t> first_factor_of_;  ///< place in graph_.factors
   std::map<std::string, std::string> source_of_robot_;     ///< who first added a node of it

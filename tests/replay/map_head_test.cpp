@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <functional>
 #include <limits>
 
@@ -44,6 +45,27 @@ TEST(MapHead, PlacesANewPoseWhereOdometryLeads) {
   EXPECT_EQ(head.graph().estimates[1], (Estimate{1.0, 2.0, 0.5}));
   EXPECT_EQ(head.graph().nodes[1].start, (std::vector{9.0, 9.0, 0.0}));
   EXPECT_EQ(head.graph().graph_revision.number, 2U);
+}
+
+TEST(MapHead, ComposesPosesThatCameDuringASolveOntoItsResult) {
+  MapHead head = known_pose();
+  head.apply(good(), {1, 0, 2});
+  Transaction third = good();
+  third.key.sequence = 3;
+  third.variables[0].node = node(3);
+  third.factors[0].nodes = {node(2), node(3)};
+  head.apply(third, {1, 0, 3});
+  const Estimate solved{5.0, 6.0, 0.0};
+  // The solve has seen record 1 only.
+  head.apply_estimates(std::vector{std::pair(NodeIndex{0}, solved)}, {1, 0, 1}, {1, 0, 4});
+  EXPECT_EQ(head.graph().estimates[0], solved);
+  EXPECT_EQ(head.graph().estimates[1], (Estimate{6.0, 8.0, 0.5}));
+  const Estimate third_pose = head.graph().estimates[2];
+  EXPECT_NEAR(third_pose[0], 6.0 + std::cos(0.5) - 2.0 * std::sin(0.5), 1e-12);
+  EXPECT_NEAR(third_pose[1], 8.0 + std::sin(0.5) + 2.0 * std::cos(0.5), 1e-12);
+  // One that has seen all of them says where each is.
+  head.apply_estimates(std::vector{std::pair(NodeIndex{0}, Estimate{})}, {1, 0, 3}, {1, 0, 5});
+  EXPECT_EQ(head.graph().estimates[2], third_pose);
 }
 
 TEST(MapHead, RefusesWhatBreaksARuleAndSaysWhich) {

@@ -79,6 +79,71 @@ TEST(Service, GoesOnWhereItWasAfterARestart) {
   EXPECT_TRUE(station.journal->verify());
 }
 
+// Estimates come from the snapshot that the first station left, and are those of a full replay.
+TEST(Service, StartsFromItsSnapshotAndTheRecordsBehindIt) {
+  const test::TemporaryFolder folder;
+  const std::vector<Transaction> steps = drive(30);
+  {
+    Station station(folder.path());
+    for (std::size_t i = 0; i < 20; ++i) ASSERT_TRUE(station.client.submit(steps[i], 10s));
+    ASSERT_TRUE(station.client.command("settle", 30s));
+    station.service.stop();
+    ASSERT_TRUE(station.journal->newest_snapshot());
+    EXPECT_EQ(station.journal->newest_snapshot()->number, station.journal->head().revision.number);
+    MapHead head;
+    Sequencer sequencer;
+    const auto replayed = replay_journal(*station.journal, head, sequencer);
+    ASSERT_TRUE(replayed);
+    EXPECT_TRUE(replayed->chi2);  // nothing to solve
+  }
+  Station station(folder.path());
+  for (std::size_t i = 20; i < 30; ++i) ASSERT_TRUE(station.client.submit(steps[i], 10s));
+  const std::vector<double> with_snapshot = estimates(*station.journal);
+  station.service.stop();
+  std::filesystem::remove_all(folder.path() / "data" / "snapshots");
+  EXPECT_EQ(estimates(*station.journal), with_snapshot);
+}
+
+// T_map_odom is where the newest keyframe is in the map, seen from where odometry thinks it is.
+TEST(Service, TellsRobotsWhereTheirOdometryFrameLies) {
+  const test::TemporaryFolder folder;
+  Station station(folder.path());
+  std::mutex mutex;
+  std::vector<Correction> corrections;
+  station.client.on_corrections([&](const Correction& correction) {
+    const std::lock_guard lock(mutex);
+    corrections.push_back(correction);
+  });
+  std::vector<Transaction> steps = drive(30);
+  Receipt last;
+  for (std::size_t i = 0; i < steps.size(); ++i) {
+    steps[i].variables[0].odometry = {static_cast<double>(i), 1.0, 0.0};
+    steps[i].variables[0].stamp_ns = static_cast<std::int64_t>(i);
+    const auto receipt = station.client.submit(steps[i], 10s);
+    ASSERT_TRUE(receipt);
+    last = *receipt;
+  }
+  ASSERT_TRUE(station.client.wait_solved(last.revision, 30s));
+  ASSERT_TRUE(station.client.command("settle", 30s));
+  const std::vector<double> all = estimates(*station.journal);
+  const double* newest = all.data() + 7 * 29;
+  const auto deadline = std::chrono::steady_clock::now() + 10s;
+  while (std::chrono::steady_clock::now() < deadline) {
+    const std::lock_guard lock(mutex);
+    if (corrections.empty() || corrections.back().stamp_ns != 29) continue;
+    const Correction& c = corrections.back();
+    if (c.revisions.solved.number < last.revision.number) continue;
+    const double x = c.T_map_odom[0] + std::cos(c.T_map_odom[2]) * 29.0 - std::sin(c.T_map_odom[2]);
+    const double y = c.T_map_odom[1] + std::sin(c.T_map_odom[2]) * 29.0 + std::cos(c.T_map_odom[2]);
+    EXPECT_NEAR(x, newest[0], 1e-9);
+    EXPECT_NEAR(y, newest[1], 1e-9);
+    EXPECT_NEAR(c.T_map_odom[2], newest[2], 1e-9);
+    EXPECT_GT(c.jump_m, 0.0);  // the solve moved the robot
+    return;
+  }
+  FAIL() << "no correction of the last keyframe came";
+}
+
 TEST(Service, HandsAFinalRefusalToTheCallerAndKeepsTheMap) {
   const test::TemporaryFolder folder;
   Station station(folder.path());
