@@ -1,44 +1,17 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "server/replay_journal.hpp"
 
-#include "cairn/replay/estimate.hpp"
+#include "cairn/history/apply_record.hpp"
 #include "cairn/replay/estimate_snapshot.hpp"
 
 namespace cairn {
 namespace {
 
-Error broken(std::uint64_t number, const std::string& reason) {
-  return {ErrorCode::kBadInput,
-          reason + "; the journal was written by another version, or is damaged: run cairn verify",
-          "record " + std::to_string(number)};
-}
-
-Result<void> apply(const TransactionRecord& record, const Revision& revision, MapHead& head,
-                   Sequencer& sequencer) {
-  if (const auto* refused = std::get_if<RefusedTransaction>(&record.outcome)) {
-    head.advance(revision);
+void remember(const TransactionRecord& record, const Revision& revision, Sequencer& sequencer) {
+  if (const auto* refused = std::get_if<RefusedTransaction>(&record.outcome))
     sequencer.replay(refused->key, record.content_hash, refused->code, refused->reason, revision);
-    return {};
-  }
-  const auto& transaction = std::get<Transaction>(record.outcome);
-  if (const auto refusal = head.check(transaction)) return broken(revision.number, refusal->reason);
-  head.apply(transaction, revision);
-  sequencer.replay(transaction.key, record.content_hash, std::nullopt, "", revision);
-  return {};
-}
-
-Result<void> apply(const SolveRecord& record, const Revision& revision, MapHead& head) {
-  std::vector<std::pair<NodeIndex, Estimate>> changed;
-  changed.reserve(record.changed.size());
-  for (const ChangedEstimate& estimate : record.changed) {
-    const auto node = head.find(estimate.node);
-    if (!node) return broken(revision.number, "no node " + to_string(estimate.node));
-    changed.emplace_back(*node, to_estimate(estimate.numbers));
-  }
-  Revision base = revision;
-  base.number = record.base;
-  head.apply_estimates(changed, base, revision);
-  return {};
+  else
+    sequencer.replay(record.key(), record.content_hash, std::nullopt, "", revision);
 }
 
 struct TakenSnapshot {
@@ -57,7 +30,10 @@ std::optional<TakenSnapshot> take_snapshot(const Journal& journal) {
 
 Result<void> restore(const TakenSnapshot& snapshot, MapHead& head) {
   if (snapshot.content.estimates.size() != head.graph().nodes.size())
-    return broken(snapshot.number, "the snapshot after it is of another map");
+    return Error{ErrorCode::kBadInput,
+                 "the snapshot of estimates after it is of another map; move the folder snapshots "
+                 "away and start again",
+                 "record " + std::to_string(snapshot.number)};
   head.restore_estimates(snapshot.content.estimates, snapshot.content.solved);
   return {};
 }
@@ -73,14 +49,14 @@ Result<Replayed> replay_journal(const Journal& journal, MapHead& head, Sequencer
     const Revision revision{end.revision.store, record.era, record.number};
     const bool covered = snapshot && record.number <= snapshot->number;
     Result<void> applied;
-    if (const auto* transaction = std::get_if<TransactionRecord>(&record.body)) {
-      applied = apply(*transaction, revision, head, sequencer);
-    } else if (const auto* solve = std::get_if<SolveRecord>(&record.body); solve && !covered) {
-      applied = apply(*solve, revision, head);
-    } else {
-      head.advance(revision);  // commands and verdicts do not change the map yet
-    }
-    if (!applied || !snapshot || record.number != snapshot->number) return applied;
+    if (covered && record.kind() == RecordKind::kSolve)
+      head.advance(revision);
+    else
+      applied = apply_record(record, end.revision.store, head);
+    if (!applied) return applied;
+    if (const auto* transaction = std::get_if<TransactionRecord>(&record.body))
+      remember(*transaction, revision, sequencer);
+    if (!snapshot || record.number != snapshot->number) return {};
     return restore(*snapshot, head);
   });
   if (!replayed) return replayed.error();

@@ -7,7 +7,7 @@
 #include <cstdio>
 #include <utility>
 
-#include "cairn/core/content_hash.hpp"
+#include "cairn/history/solve_record.hpp"
 #include "cairn/replay/estimate_snapshot.hpp"
 #include "server/replay_journal.hpp"
 
@@ -18,16 +18,6 @@ std::int64_t wall_clock_ns() {
   return std::chrono::duration_cast<std::chrono::nanoseconds>(
              std::chrono::system_clock::now().time_since_epoch())
       .count();
-}
-
-// Of all estimates, in the order in which nodes arrived.
-ContentHash hash_estimates(const PoseGraph& map) {
-  std::string bytes;
-  for (NodeIndex i = 0; i < map.nodes.size(); ++i) {
-    const Estimate& estimate = map.estimates[i];
-    bytes.append(reinterpret_cast<const char*>(estimate.data()), sizeof(Estimate));
-  }
-  return content_hash(bytes);
 }
 
 }  // namespace
@@ -332,20 +322,9 @@ void Service::take_solution(const Solved& solved) {
 
 bool Service::commit_solution(const Revision& base,
                               const std::vector<std::pair<NodeIndex, Estimate>>& changed) {
-  SolveRecord record;
-  record.base = base.number;
-  record.settings = "lm, multifrontal, portable, initialization auto";
-  record.start = "as sent";
-  for (const auto& [node, estimate] : changed) {
-    const StoredNode& stored = head_.graph().nodes[node];
-    record.changed.push_back(
-        {stored.id, stored.type, {estimate.begin(), estimate.begin() + stored.start.size()}});
-  }
   Revision next = journal_.head().revision;
   ++next.number;
-  head_.apply_estimates(changed, base, next);
-  record.estimates_hash = hash_estimates(head_.graph());
-  const std::vector<RecordBody> records{std::move(record)};
+  const std::vector<RecordBody> records{apply_solve(head_, base, changed, next)};
   pass(ServicePoint::kBeforeCommit);
   const Result<Revision> appended = journal_.append(records);
   pass(ServicePoint::kCommitted);

@@ -172,7 +172,7 @@ Result<std::unique_ptr<FolderLock>> FolderLock::take_for_reading(const std::stri
   if (descriptor < 0 || lock_whole(descriptor, F_RDLCK)) return lock;
   return Error{ErrorCode::kUsage,
                "the data folder is in use by process " + holder_of(descriptor) +
-                   "; ask it with --domain, or stop it first",
+                   "; stop it first, or ask the daemon itself (--domain)",
                place};
 }
 

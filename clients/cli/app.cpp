@@ -6,15 +6,17 @@ namespace {
 
 // In the order `cairn --help` lists them.
 const std::vector<AddVerb> kVerbs{
-    add_optimize, add_check, add_convert, add_info,          add_plot,
-    add_simulate, add_eval,  add_replay,  add_generate_docs,
+    add_optimize, add_check, add_convert, add_info,   add_plot,
+    add_simulate, add_eval,  add_replay,  add_verify, add_generate_docs,
 };
 
 }  // namespace
 
 CommandLine::CommandLine()
     : app_(std::make_unique<CLI::App>(
-          "Cairn: a map server for robots. This command works on graph files.", "cairn")) {
+          "Cairn: a map server for robots. This command works on graph files, daemons "
+          "and their data folders.",
+          "cairn")) {
   app_->require_subcommand(1);
   app_->set_version_flag("--version", std::string("cairn ") + kVersion);
   app_->option_defaults()->always_capture_default();

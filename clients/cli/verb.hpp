@@ -29,5 +29,14 @@ Run add_plot(CLI::App& parent, CLI::App*& verb);
 Run add_simulate(CLI::App& parent, CLI::App*& verb);
 Run add_eval(CLI::App& parent, CLI::App*& verb);
 Run add_replay(CLI::App& parent, CLI::App*& verb);
+Run add_verify(CLI::App& parent, CLI::App*& verb);
+Run add_status(CLI::App& parent, CLI::App*& verb);
+Run add_log(CLI::App& parent, CLI::App*& verb);
+Run add_show(CLI::App& parent, CLI::App*& verb);
+Run add_diff(CLI::App& parent, CLI::App*& verb);
+Run add_settle(CLI::App& parent, CLI::App*& verb);
+Run add_backup(CLI::App& parent, CLI::App*& verb);
+Run add_restore(CLI::App& parent, CLI::App*& verb);
+Run add_export(CLI::App& parent, CLI::App*& verb);
 
 }  // namespace cairn::cli

@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "cairn/history/solve_record.hpp"
+
+#include "cairn/linear/platform.hpp"
+
+namespace cairn {
+namespace {
+
+constexpr char kMethod[] = "lm, multifrontal, portable, initialization auto";
+constexpr char kSeparator[] = "; ";
+
+}  // namespace
+
+SolveSettings SolveSettings::here() { return {kMethod, describe_platform()}; }
+
+SolveSettings SolveSettings::parse(const std::string& text) {
+  const std::size_t at = text.find(kSeparator);
+  if (at == std::string::npos) return {text, ""};
+  return {text.substr(0, at), text.substr(at + sizeof kSeparator - 1)};
+}
+
+ContentHash hash_estimates(const PoseGraph& map) {
+  std::string bytes;
+  bytes.reserve(map.nodes.size() * sizeof(Estimate));
+  for (NodeIndex i = 0; i < map.nodes.size(); ++i) {
+    const Estimate& estimate = map.estimates[i];
+    bytes.append(reinterpret_cast<const char*>(estimate.data()), sizeof(Estimate));
+  }
+  return content_hash(bytes);
+}
+
+SolveRecord apply_solve(MapHead& head, const Revision& base,
+                        const std::vector<std::pair<NodeIndex, Estimate>>& changed,
+                        const Revision& next) {
+  SolveRecord record;
+  record.base = base.number;
+  record.settings = SolveSettings::here().to_string();
+  record.start = "as sent";
+  for (const auto& [node, estimate] : changed) {
+    const StoredNode& stored = head.graph().nodes[node];
+    const auto* numbers = estimate.data();
+    record.changed.push_back({stored.id, stored.type, {numbers, numbers + stored.start.size()}});
+  }
+  head.apply_estimates(changed, base, next);
+  record.estimates_hash = hash_estimates(head.graph());
+  return record;
+}
+
+}  // namespace cairn

@@ -1,0 +1,177 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "server/reexecution.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "cairn/history/apply_record.hpp"
+#include "cairn/replay/estimate.hpp"
+#include "cairn/replay/settle.hpp"
+
+namespace cairn {
+namespace {
+
+constexpr double kTolerance = 1e-9;  // relative, where bits cannot be compared
+
+Error differs(std::uint64_t number, const std::string& what) {
+  return {ErrorCode::kBadInput, what, "record " + std::to_string(number)};
+}
+
+// Relative to the larger number, or to one meter or radian.
+double difference(const Estimate& a, const Estimate& b) {
+  double largest = 0.0;
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    const double scale = std::max({1.0, std::abs(a[i]), std::abs(b[i])});
+    largest = std::max(largest, std::abs(a[i] - b[i]) / scale);
+  }
+  return largest;
+}
+
+}  // namespace
+
+Result<Reexecuted> Reexecution::run(const OnRecord& on_record) {
+  if (Result<void> found = find_bases(); !found) return found.error();
+  HeadHash hash;
+  const Result<void> walked = journal_.for_each(1, [&](const Record& record) -> Result<void> {
+    if (Result<void> executed = execute(record); !executed) return executed;
+    ++result_.records;
+    const PoseGraph& map = head_.graph();
+    if (uses_of_base_.contains(record.number)) bases_.emplace(record.number, map);
+    if (!on_record) return {};
+    const auto* transaction = std::get_if<TransactionRecord>(&record.body);
+    const auto* accepted =
+        transaction == nullptr ? nullptr : std::get_if<Transaction>(&transaction->outcome);
+    if (accepted != nullptr && accepted->edits.empty())
+      hash.grow(map);
+    else
+      hash.update(map);
+    on_record(record, hash.value());
+    return {};
+  });
+  if (!walked) return walked.error();
+  hash.update(head_.graph());
+  result_.head_hash = hash.value();
+  return result_;
+}
+
+// Which states of the map solves will ask for.
+Result<void> Reexecution::find_bases() {
+  return journal_.for_each(1, [&](const Record& record) -> Result<void> {
+    if (const auto* solve = std::get_if<SolveRecord>(&record.body)) ++uses_of_base_[solve->base];
+    return {};
+  });
+}
+
+Result<void> Reexecution::execute(const Record& record) {
+  const Revision revision{journal_.head().revision.store, record.era, record.number};
+  if (const auto* transaction = std::get_if<TransactionRecord>(&record.body))
+    return execute(*transaction, revision);
+  if (const auto* solve = std::get_if<SolveRecord>(&record.body)) return execute(*solve, record);
+  ++(record.kind() == RecordKind::kCommand ? result_.commands : result_.verdicts);
+  return apply_record(record, revision.store, head_);
+}
+
+Result<void> Reexecution::execute(const TransactionRecord& record, const Revision& revision) {
+  if (const auto* transaction = std::get_if<Transaction>(&record.outcome)) {
+    ++result_.accepted;
+    return decide_again(*transaction, record, revision);
+  }
+  // What was refused is not kept, only why: its number must be free.
+  ++result_.refused;
+  const auto& refused = std::get<RefusedTransaction>(record.outcome);
+  const auto counters = sequencer_.counters();
+  const auto source = counters.find(refused.key.source);
+  if (source != counters.end() && source->second.epoch == refused.key.epoch &&
+      refused.key.sequence <= source->second.highest_decided) {
+    return differs(revision.number, "sequence " + std::to_string(refused.key.sequence) + " of " +
+                                        refused.key.source + " was decided before");
+  }
+  sequencer_.replay(refused.key, record.content_hash, refused.code, refused.reason, revision);
+  head_.advance(revision);
+  return {};
+}
+
+Result<void> Reexecution::decide_again(const Transaction& transaction,
+                                       const TransactionRecord& record, const Revision& revision) {
+  Sequencer::Outcome outcome;
+  sequencer_.take(make_arrival(transaction), record.arrival_ns, head_, revision, outcome);
+  const std::string name =
+      "transaction " + transaction.key.source + '/' + std::to_string(transaction.key.sequence);
+  if (outcome.decisions.size() != 1) {
+    const std::string why = outcome.answers.empty()
+                                ? "it would wait for an earlier one or for another source"
+                                : outcome.answers.front().reason;
+    return differs(revision.number,
+                   name + " was accepted, but executed again it is not decided: " + why);
+  }
+  const Decision& decision = outcome.decisions.front();
+  if (decision.refusal) {
+    return differs(revision.number,
+                   name + " was accepted, but executed again it is refused: " + decision.reason);
+  }
+  if (decision.content_hash != record.content_hash)
+    return differs(revision.number, name + " does not have the hash of what was sent");
+  return {};
+}
+
+Result<void> Reexecution::execute(const SolveRecord& record, const Record& whole) {
+  if (Result<void> solved = solve_again(record, whole.number); !solved) return solved;
+  if (Result<void> applied = apply_record(whole, journal_.head().revision.store, head_); !applied)
+    return applied;
+  // Poses that came during the solve were composed onto it, which rounds like the solve.
+  if (SolveSettings::parse(record.settings) != SolveSettings::here() ||
+      hash_estimates(head_.graph()) == record.estimates_hash)
+    return {};
+  return differs(whole.number, "the estimates after this solve do not have the hash it records");
+}
+
+Result<void> Reexecution::solve_again(const SolveRecord& record, std::uint64_t number) {
+  const SolveSettings settings = SolveSettings::parse(record.settings);
+  const SolveSettings here = SolveSettings::here();
+  const auto base = bases_.find(record.base);
+  if (base == bases_.end())
+    return differs(number,
+                   "it solved record " + std::to_string(record.base) + ", which comes later");
+  if (settings.method != here.method) {
+    ++result_.solves_skipped;
+    return {};
+  }
+  const SettledEstimate settled = settle(base->second);
+  if (--uses_of_base_[record.base] == 0) bases_.erase(base);
+  if (!settled.summary.usable()) return differs(number, "solved again, it does not converge");
+  PoseGraph again = head_.graph();
+  for (const auto& [node, estimate] : changed_estimates(head_.graph(), settled))
+    again.estimates.edit(node) = estimate;
+  PoseGraph recorded = head_.graph();
+  for (const ChangedEstimate& changed : record.changed) {
+    const auto node = head_.find(changed.node);
+    if (!node) return differs(number, "there is no node " + to_string(changed.node));
+    recorded.estimates.edit(*node) = to_estimate(changed.numbers);
+  }
+  const bool same_bits = hash_estimates(again) == hash_estimates(recorded);
+  if (same_bits) {
+    ++result_.solves;
+    return {};
+  }
+  NodeIndex worst = 0;
+  double largest = -1.0;
+  for (NodeIndex i = 0; i < again.nodes.size(); ++i) {
+    const double apart = difference(again.estimates[i], recorded.estimates[i]);
+    if (apart <= largest) continue;
+    largest = apart;
+    worst = i;
+  }
+  if (settings != here && largest <= kTolerance) {
+    ++result_.solves_compared;
+    result_.largest_difference = std::max(result_.largest_difference, largest);
+    if (!result_.other_settings) result_.other_settings = record.settings;
+    return {};
+  }
+  char apart[32];
+  std::snprintf(apart, sizeof apart, "%.3g", largest);
+  return differs(number, "solved again, " + to_string(again.nodes[worst].id) + " differs by " +
+                             apart + " (relative); recorded with \"" + record.settings +
+                             "\", here is \"" + here.to_string() + '"');
+}
+
+}  // namespace cairn
