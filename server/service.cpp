@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <fstream>
 #include <utility>
 
 #include "cairn/history/solve_record.hpp"
@@ -18,6 +19,13 @@ std::int64_t wall_clock_ns() {
   return std::chrono::duration_cast<std::chrono::nanoseconds>(
              std::chrono::system_clock::now().time_since_epoch())
       .count();
+}
+
+std::uint64_t resident_bytes() {
+  std::ifstream statistics("/proc/self/statm");
+  std::uint64_t all = 0, resident = 0;
+  statistics >> all >> resident;
+  return resident * static_cast<std::uint64_t>(sysconf(_SC_PAGESIZE));
 }
 
 }  // namespace
@@ -42,7 +50,7 @@ Result<void> Service::start() {
   return {};
 }
 
-void Service::stop() {
+bool Service::stop(std::optional<std::chrono::milliseconds> patience) {
   transport_.stop();
   {
     const std::lock_guard lock(mutex_);
@@ -51,11 +59,16 @@ void Service::stop() {
   abandon_solve_ = true;
   wake_.notify_all();
   if (decider_.joinable()) decider_.join();
+  if (patience) {
+    std::unique_lock lock(mutex_);
+    if (!wake_.wait_for(lock, *patience, [this] { return !solver_works_; })) return false;
+  }
   if (solver_.joinable()) solver_.join();
   // A start right after this one finds everything solved.
   const std::uint64_t end = head_.graph().graph_revision.number;
   if (chi2_ && !needs_solve() && !journal_.failed() && end > std::exchange(snapshot_at_, end))
     write_snapshot(head_.graph(), *chi2_);
+  return true;
 }
 
 std::optional<Error> Service::failure() const {
@@ -142,9 +155,35 @@ void Service::run() {
       if (stopping_) return;
       messages.swap(inbox_);
     }
+    watch_disk();
     if (!messages.empty()) handle(std::move(messages));
     solve_when_idle();
   }
+}
+
+void Service::refuse_for_now(const TransactionKey& key) {
+  transport_.publish(Receipt{key, journal_.head().revision, RefusalCode::kStorageFull,
+                             "under 2 % of the daemon's disk is free: make room there"});
+}
+
+// Once a second. A full disk is no end: clients keep what they have, and try again.
+void Service::watch_disk() {
+  const auto now = std::chrono::steady_clock::now();
+  if (now - disk_watched_ < std::chrono::seconds(1)) return;
+  disk_watched_ = now;
+  const DiskSpace before = std::exchange(disk_, journal_.space());
+  if (disk_ == before) return;
+  const Revision& head = head_.graph().graph_revision;
+  if (disk_ == DiskSpace::kPlenty) {
+    announce(Severity::kInfo, "disk", "more than 10 % of the disk is free again", head);
+  } else if (disk_ == DiskSpace::kLow) {
+    announce(Severity::kWarning, "disk",
+             "under 10 % of the disk is free; under 2 % nothing more is taken", head);
+  } else {
+    announce(Severity::kError, "disk",
+             "under 2 % of the disk is free: nothing is taken until there is room", head);
+  }
+  publish_state();
 }
 
 // Everything that came while the disk was busy shares one sync.
@@ -157,6 +196,10 @@ void Service::handle(std::deque<Message> messages) {
   std::vector<ClientState> clients;
   for (Message& message : messages) {
     if (auto* arrived = std::get_if<Arrived>(&message)) {
+      if (disk_ == DiskSpace::kFull) {
+        refuse_for_now(arrived->arrival.transaction.key);
+        continue;
+      }
       sequencer_.take(std::move(arrived->arrival), arrived->sender.arrived_ns, head_, next,
                       outcome);
       last_input_ = std::chrono::steady_clock::now();
@@ -236,6 +279,9 @@ void Service::publish_state() {
   status.variables = head_.graph().nodes.size();
   status.factors = head_.graph().factors.size();
   status.chi2 = chi2_.value_or(0.0);
+  status.memory_bytes = resident_bytes();
+  status.disk_free_bytes = journal_.free_bytes();
+  if (disk_ != DiskSpace::kPlenty) status.message = "the disk is nearly full";
   for (const auto& [name, counters] : sequencer_.counters()) {
     transport_.publish(
         SourceState{name, counters.epoch, counters.highest_decided, head.revision, head.chain});
@@ -261,15 +307,16 @@ bool Service::needs_solve() const {
 
 void Service::solve_when_idle() {
   const bool idle = std::chrono::steady_clock::now() - last_input_ >= options_.solve_after_pause;
-  if (writing_snapshot_) return;  // of the same thread
-  if (!solving_ && needs_solve() && (idle || !awaiting_solution_.empty())) start_solve();
-  if (idle) write_snapshot_when_due();
+  if (solver_works_ || solving_) return;
+  if (needs_solve() && (idle || !awaiting_solution_.empty()))
+    start_solve();
+  else if (idle)
+    write_snapshot_when_due();
 }
 
 void Service::start_solve() {
-  if (solver_.joinable()) solver_.join();
   solving_ = true;
-  solver_ = std::thread([this, base = head_.graph()] {
+  on_solver_thread([this, base = head_.graph()] {
     const auto keep_going = [this] {
       pass(ServicePoint::kSolving);
       return !abandon_solve_;
@@ -278,17 +325,26 @@ void Service::start_solve() {
   });
 }
 
+// The work before has ended.
+void Service::on_solver_thread(std::function<void()> work) {
+  if (solver_.joinable()) solver_.join();
+  solver_works_ = true;
+  solver_ = std::thread([this, work = std::move(work)] {
+    work();
+    {
+      const std::lock_guard lock(mutex_);
+      solver_works_ = false;
+    }
+    wake_.notify_all();
+  });
+}
+
 // What a start need not take from the solves before. Written by the solver's thread: nobody waits.
 void Service::write_snapshot_when_due() {
   const bool due = head_.graph().graph_revision.number >= snapshot_at_ + options_.snapshot_every;
-  if (solving_ || !chi2_ || needs_solve() || !due) return;
-  if (solver_.joinable()) solver_.join();
+  if (!chi2_ || needs_solve() || !due) return;
   snapshot_at_ = head_.graph().graph_revision.number;
-  writing_snapshot_ = true;
-  solver_ = std::thread([this, map = head_.graph(), chi2 = *chi2_] {
-    write_snapshot(map, chi2);
-    writing_snapshot_ = false;
-  });
+  on_solver_thread([this, map = head_.graph(), chi2 = *chi2_] { write_snapshot(map, chi2); });
 }
 
 void Service::write_snapshot(const PoseGraph& map, double chi2) {

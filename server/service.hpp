@@ -8,6 +8,7 @@
 #include <functional>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <thread>
 #include <variant>
 
@@ -55,8 +56,10 @@ class Service final : private TransportListener {
 
   /// Replays the journal, publishes the estimate, then begins to listen.
   Result<void> start();
-  /// A running solve is abandoned; it has changed nothing.
-  void stop();
+  /// A running solve is abandoned; it has changed nothing. Without `patience` it is waited for;
+  /// else false where it did not end in that time: then nothing is left to do but to end the
+  /// process.
+  bool stop(std::optional<std::chrono::milliseconds> patience = {});
   /// What ended the service by itself, such as a disk that does not sync.
   [[nodiscard]] std::optional<Error> failure() const;
 
@@ -82,6 +85,8 @@ class Service final : private TransportListener {
 
   void post(Message message);
   void run();
+  void watch_disk();
+  void refuse_for_now(const TransactionKey& key);
   void handle(std::deque<Message> messages);
   void commit(Sequencer::Outcome outcome);
   void greet(const ClientState& client);
@@ -92,6 +97,7 @@ class Service final : private TransportListener {
   [[nodiscard]] bool needs_solve() const;
   void solve_when_idle();
   void start_solve();
+  void on_solver_thread(std::function<void()> work);
   void write_snapshot_when_due();
   void write_snapshot(const PoseGraph& map, double chi2);
   void announce(Severity severity, std::string kind, std::string text,
@@ -112,6 +118,8 @@ class Service final : private TransportListener {
   std::chrono::steady_clock::time_point last_input_{};
   std::vector<Command> awaiting_solution_;
   std::int64_t started_ns_ = 0;
+  DiskSpace disk_ = DiskSpace::kPlenty;
+  std::chrono::steady_clock::time_point disk_watched_{};
   std::optional<double> chi2_;     ///< of the last solve, where this process knows it
   std::uint64_t snapshot_at_ = 0;  ///< the record that the newest snapshot is after
 
@@ -123,8 +131,8 @@ class Service final : private TransportListener {
 
   std::atomic<std::uint64_t> events_{0};
   std::atomic<bool> abandon_solve_{false};
-  std::atomic<bool> writing_snapshot_{false};
-  bool solving_ = false;  ///< of the deciding thread
+  std::atomic<bool> solver_works_{false};  ///< written under mutex_
+  bool solving_ = false;                   ///< of the deciding thread
   std::thread solver_;
   std::thread decider_;
 };

@@ -189,12 +189,18 @@ Result<void> Journal::raise_era() {
   return {};
 }
 
+std::filesystem::space_info Journal::measure_space() const {
+  if (options_.measure_space) return options_.measure_space(folder_->path());
+  std::error_code failed;
+  const std::filesystem::space_info info = std::filesystem::space(folder_->path(), failed);
+  return failed ? std::filesystem::space_info{} : info;
+}
+
+std::uint64_t Journal::free_bytes() const { return measure_space().available; }
+
 DiskSpace Journal::space() const {
-  std::error_code ignored;
-  const std::filesystem::space_info info = options_.measure_space
-                                               ? options_.measure_space(folder_->path())
-                                               : std::filesystem::space(folder_->path(), ignored);
-  if (ignored || info.capacity == 0) return DiskSpace::kPlenty;
+  const std::filesystem::space_info info = measure_space();
+  if (info.capacity == 0) return DiskSpace::kPlenty;
   const double free = static_cast<double>(info.available) / static_cast<double>(info.capacity);
   return free < 0.02 ? DiskSpace::kFull : free < 0.10 ? DiskSpace::kLow : DiskSpace::kPlenty;
 }

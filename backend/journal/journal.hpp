@@ -129,12 +129,14 @@ class Journal {
 
   /// Of the disk under the folder, measured now.
   [[nodiscard]] DiskSpace space() const;
+  [[nodiscard]] std::uint64_t free_bytes() const;  ///< of it, for this process
 
  private:
   Journal() = default;
   Result<void> open_for_reading();
   Result<void> open_for_writing();
   void take(OpenedStore opened);
+  [[nodiscard]] std::filesystem::space_info measure_space() const;
   Result<void> check_usable() const;  // the failure, where there was one
   Error fail(Error error);            // keeps it
 

@@ -3,6 +3,9 @@
 
 #include <gtest/gtest.h>
 
+#include <atomic>
+#include <thread>
+
 #include "clients/client/client.hpp"
 #include "server/memory_transport.hpp"
 #include "tests/client/temporary_folder.hpp"
@@ -15,10 +18,21 @@ using namespace std::chrono_literals;
 using test::drive;
 using test::estimates;
 
+// How much of the disk is free, %, as tests like it.
+struct Disk {
+  std::atomic<unsigned> free{50};
+
+  JournalOptions options() {
+    return {.measure_space = [this](const std::string&) {
+      return std::filesystem::space_info{100, free, free};
+    }};
+  }
+};
+
 // A daemon on a folder and an in-memory network, and a client of it.
 struct Station {
-  explicit Station(const std::filesystem::path& folder)
-      : journal(*Journal::open((folder / "data").string())),
+  explicit Station(const std::filesystem::path& folder, const JournalOptions& options = {})
+      : journal(*Journal::open((folder / "data").string(), options)),
         transport(network.make_transport()),
         service(*journal, *transport, {.solve_after_pause = 20ms}),
         client(*Client::connect(
@@ -142,6 +156,30 @@ TEST(Service, TellsRobotsWhereTheirOdometryFrameLies) {
     return;
   }
   FAIL() << "no correction of the last keyframe came";
+}
+
+TEST(Service, TakesNothingOnAFullDiskAndGoesOnByItself) {
+  const test::TemporaryFolder folder;
+  Disk disk;
+  Station station(folder.path(), disk.options());
+  const std::vector<Transaction> steps = drive(3);
+  ASSERT_TRUE(station.client.submit(steps[0], 10s));
+  disk.free = 1;
+  const auto wait_for_state = [&](DiskSpace expected) {
+    while (station.journal->space() != expected) std::this_thread::yield();
+    std::this_thread::sleep_for(1200ms);  // it looks once a second
+  };
+  wait_for_state(DiskSpace::kFull);
+  const std::uint64_t before = station.journal->head().revision.number;
+  const auto waiting = station.client.submit_async(steps[1]);
+  ASSERT_TRUE(waiting);
+  EXPECT_FALSE(waiting->wait(300ms));
+  EXPECT_EQ(station.journal->head().revision.number, before);
+  disk.free = 50;
+  const Result<Receipt> receipt = waiting->wait(20s);
+  ASSERT_TRUE(receipt) << receipt.error().to_string();
+  EXPECT_FALSE(receipt->refusal) << receipt->reason;
+  EXPECT_EQ(receipt->key.sequence, 2U);
 }
 
 TEST(Service, HandsAFinalRefusalToTheCallerAndKeepsTheMap) {

@@ -1,0 +1,226 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "server/config.hpp"
+
+#include <yaml-cpp/yaml.h>
+
+#include <algorithm>
+#include <chrono>
+#include <concepts>
+#include <functional>
+#include <optional>
+#include <sstream>
+#include <utility>
+#include <vector>
+
+#include "cairn/io/input_text.hpp"
+
+namespace cairn {
+namespace {
+
+// One key: how it is read and shown stand side by side, so that nothing is undocumented.
+struct Setting {
+  std::string section, key;
+  std::string meaning;
+  std::string expected;  ///< the values it takes
+  std::function<bool(const std::string&, DaemonConfig&)> read;
+  std::function<std::string(const DaemonConfig&)> show;
+};
+
+std::optional<std::int64_t> whole_number(const std::string& text) {
+  std::istringstream stream(text);
+  std::int64_t number = 0;
+  if (!(stream >> number) || !stream.eof()) return std::nullopt;
+  return number;
+}
+
+template <std::integral Number>
+std::int64_t count_of(Number number) {
+  return static_cast<std::int64_t>(number);
+}
+std::int64_t count_of(std::chrono::milliseconds time) { return time.count(); }
+
+struct Range {
+  std::int64_t first, last;
+};
+
+// `of` gives a reference to the number in a configuration; `unit` of the file in units of that
+// number.
+template <class Of>
+Setting number(std::string section, std::string key, std::string meaning, Range range, Of of,
+               std::int64_t unit = 1) {
+  using Number = std::decay_t<decltype(of(std::declval<DaemonConfig&>()))>;
+  return {
+      std::move(section),
+      std::move(key),
+      std::move(meaning),
+      "a whole number from " + std::to_string(range.first) + " to " + std::to_string(range.last),
+      [range, of, unit](const std::string& text, DaemonConfig& config) {
+        const auto value = whole_number(text);
+        if (!value || *value < range.first || *value > range.last) return false;
+        of(config) = Number(*value * unit);
+        return true;
+      },
+      [of, unit](const DaemonConfig& config) {
+        return std::to_string(count_of(of(config)) / unit);
+      }};
+}
+
+template <class Enum, class Of>
+Setting choice(std::string section, std::string key, std::string meaning,
+               std::vector<std::pair<std::string, Enum>> names, Of of) {
+  std::string expected;
+  for (const auto& [name, value] : names) expected += (expected.empty() ? "" : ", ") + name;
+  return {std::move(section),
+          std::move(key),
+          std::move(meaning),
+          "one of " + expected,
+          [names, of](const std::string& text, DaemonConfig& config) {
+            for (const auto& [name, value] : names) {
+              if (name == text) return of(config) = value, true;
+            }
+            return false;
+          },
+          [names, of](const DaemonConfig& config) {
+            const Enum value = of(config);
+            return std::find_if(names.begin(), names.end(),
+                                [&](const auto& named) { return named.second == value; })
+                ->first;
+          }};
+}
+
+const std::vector<Setting>& settings() {
+  constexpr std::int64_t kSecond = 1'000'000'000;
+  static const std::vector<Setting> all{
+      number("network", "domain", "DDS domain; --domain overrides it", {0, 232},
+             [](auto& c) -> auto& { return c.domain; }),
+      choice<NetworkProfile>(
+          "network", "profile",
+          "loopback: this machine only; radio: all interfaces, datagrams of 1400 bytes. Where "
+          "CYCLONEDDS_URI is set, that holds",
+          {{"loopback", NetworkProfile::kLoopback}, {"radio", NetworkProfile::kRadio}},
+          [](auto& c) -> auto& { return c.network; }),
+      number("solve", "after_pause_ms", "a solve starts when nothing has come for so long",
+             {1, 3'600'000}, [](auto& c) -> auto& { return c.service.solve_after_pause; }),
+      number(
+          "journal", "snapshot_every",
+          "estimates are stored after so many records, so that a start need not apply all solves",
+          {1, 1'000'000'000}, [](auto& c) -> auto& { return c.service.snapshot_every; }),
+      number("intake", "held",
+             "transactions of all sources that may wait for an earlier one or for another source",
+             {1, 1'000'000}, [](auto& c) -> auto& { return c.service.limits.held; }),
+      number(
+          "intake", "patience_s", "how long one waits for a node of another source", {1, 86'400},
+          [](auto& c) -> auto& { return c.service.limits.patience_ns; }, kSecond),
+      number("intake", "kept_decisions",
+             "answers kept per source for repetitions; older sequences are stale", {256, 1'000'000},
+             [](auto& c) -> auto& { return c.service.limits.kept_decisions; }),
+      choice<LogFormat>("log", "format", "text: lines for people; json: one object per line",
+                        {{"text", LogFormat::kText}, {"json", LogFormat::kJson}},
+                        [](auto& c) -> auto& { return c.log_format; }),
+      choice<Severity>(
+          "log", "from", "the least severe lines that are written",
+          {{"info", Severity::kInfo}, {"warning", Severity::kWarning}, {"error", Severity::kError}},
+          [](auto& c) -> auto& { return c.log_from; }),
+  };
+  return all;
+}
+
+std::string names_of(const std::string& section) {
+  std::string names;
+  for (const Setting& setting : settings()) {
+    const std::string& name = section.empty() ? setting.section : setting.key;
+    if (!section.empty() && setting.section != section) continue;
+    if (names.ends_with(name)) continue;  // sections stand together
+    names += (names.empty() ? "" : ", ") + name;
+  }
+  return names;
+}
+
+Error error_at(const std::string& file, const YAML::Mark& mark, std::string message) {
+  std::string place = file;
+  if (!mark.is_null())
+    place += ':' + std::to_string(mark.line + 1) + ':' + std::to_string(mark.column + 1);
+  return {ErrorCode::kBadInput, std::move(message), std::move(place)};
+}
+
+Result<void> read_value(const std::string& file, const Setting& setting, const YAML::Node& value,
+                        DaemonConfig& config) {
+  if (value.IsScalar() && setting.read(value.Scalar(), config)) return {};
+  const std::string found = value.IsScalar() ? "'" + value.Scalar() + "'" : "a structure";
+  return error_at(
+      file, value.Mark(),
+      setting.section + '.' + setting.key + " is " + found + "; expected " + setting.expected);
+}
+
+Result<void> read_section(const std::string& file, const std::string& section,
+                          const YAML::Node& keys, DaemonConfig& config) {
+  if (!keys.IsMap()) {
+    return error_at(file, keys.Mark(),
+                    "the section " + section + " has no keys; expected: " + names_of(section));
+  }
+  std::vector<std::string> seen;
+  for (const auto& entry : keys) {
+    const std::string key = entry.first.as<std::string>("");
+    const auto setting = std::find_if(settings().begin(), settings().end(), [&](const Setting& s) {
+      return s.section == section && s.key == key;
+    });
+    if (setting == settings().end()) {
+      return error_at(file, entry.first.Mark(),
+                      "unknown key '" + section + '.' + key + "'; expected: " + names_of(section));
+    }
+    if (std::find(seen.begin(), seen.end(), key) != seen.end())
+      return error_at(file, entry.first.Mark(), section + '.' + key + " is given twice");
+    seen.push_back(key);
+    if (auto read = read_value(file, *setting, entry.second, config); !read) return read;
+  }
+  return {};
+}
+
+Result<void> read_root(const std::string& file, const YAML::Node& root, DaemonConfig& config) {
+  if (root.IsNull()) return {};  // an empty file
+  if (!root.IsMap()) return error_at(file, root.Mark(), "no sections; expected: " + names_of(""));
+  for (const auto& entry : root) {
+    const std::string section = entry.first.as<std::string>("");
+    const bool known = std::any_of(settings().begin(), settings().end(),
+                                   [&](const Setting& s) { return s.section == section; });
+    if (!known) {
+      return error_at(file, entry.first.Mark(),
+                      "unknown section '" + section + "'; expected: " + names_of(""));
+    }
+    if (auto read = read_section(file, section, entry.second, config); !read) return read;
+  }
+  return {};
+}
+
+}  // namespace
+
+Result<void> read_config_text(const std::string& text, const std::string& name,
+                              DaemonConfig& config) {
+  DaemonConfig read = config;
+  try {
+    if (auto done = read_root(name, YAML::Load(text), read); !done) return done;
+  } catch (const YAML::Exception& error) {
+    return error_at(name, error.mark, "not YAML: " + error.msg);
+  }
+  config = std::move(read);
+  return {};
+}
+
+Result<void> read_config(const std::string& path, DaemonConfig& config) {
+  const Result<InputText> text = read_input_text(path);
+  if (!text) return text.error();
+  return read_config_text(std::string(text->view), path, config);
+}
+
+std::string dump_config(const DaemonConfig& config) {
+  std::string text = "# cairnd's configuration: every key, its meaning, its value.\n";
+  std::string section;
+  for (const Setting& setting : settings()) {
+    if (setting.section != section) text += "\n" + (section = setting.section) + ":\n";
+    text += "  # " + setting.meaning + " (" + setting.expected + ")\n";
+    text += "  " + setting.key + ": " + setting.show(config) + "\n";
+  }
+  return text;
+}
+
+}  // namespace cairn

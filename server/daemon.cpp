@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "server/daemon.hpp"
+
+#include <signal.h>
+
+#include <cstdlib>
+
+#include "cairn/core/exit_code.hpp"
+#include "server/dds_transport.hpp"
+#include "server/log.hpp"
+
+namespace cairn {
+namespace {
+
+// The signals that end the daemon; for every thread to come they wait until somebody asks.
+sigset_t block_ending_signals() {
+  sigset_t ending;
+  sigemptyset(&ending);
+  sigaddset(&ending, SIGTERM);
+  sigaddset(&ending, SIGINT);
+  pthread_sigmask(SIG_BLOCK, &ending, nullptr);
+  signal(SIGXFSZ, SIG_IGN);  // a full disk is an error, not an end
+  signal(SIGPIPE, SIG_IGN);
+  return ending;
+}
+
+void log_opening(const std::string& folder, const Journal& journal) {
+  const OpenReport& report = journal.open_report();
+  log(Severity::kInfo, "opened", (report.created ? "made " : "") + folder, journal.head().revision);
+  if (report.cut_tail) {
+    log(Severity::kWarning, "cut_tail",
+        "cut off a write that never finished; nothing acknowledged is lost: " + *report.cut_tail);
+  }
+  if (report.damage) {
+    const OpenReport::Damage& damage = *report.damage;
+    log(Severity::kError, "damage",
+        damage.what + "; records up to " + std::to_string(damage.kept) +
+            " are served, what was found is kept in " + damage.set_aside +
+            ", clients send the rest again",
+        journal.head().revision);
+  }
+}
+
+// Zero when a signal came, else what ended the service by itself.
+int wait_for_end(const sigset_t& ending, const Service& service) {
+  while (true) {
+    constexpr timespec kPoll{0, 200'000'000};
+    const int signal_number = sigtimedwait(&ending, nullptr, &kPoll);
+    if (signal_number > 0) {
+      log(Severity::kInfo, "ending", "signal " + std::to_string(signal_number));
+      return 0;
+    }
+    if (const auto failure = service.failure()) {
+      log(Severity::kError, "failed", failure->to_string());
+      return static_cast<int>(failure->code);
+    }
+  }
+}
+
+}  // namespace
+
+int run_daemon(const std::string& folder, const DaemonConfig& config,
+               const JournalOptions& journal_options) {
+  const sigset_t ending = block_ending_signals();
+  open_log(config.log_format, config.log_from);
+  auto journal = Journal::open(folder, journal_options);
+  if (!journal) return fail(journal.error());
+  log_opening(folder, **journal);
+  const auto transport = make_dds_transport({.domain = config.domain,
+                                             .network = config.network == NetworkProfile::kRadio
+                                                            ? dds::Network::kRadio
+                                                            : dds::Network::kLoopback});
+  ServiceOptions options = config.service;
+  options.on_event = [](const Event& event) {
+    log(event.severity, event.kind, event.text, event.revision);
+  };
+  Service service(**journal, *transport, std::move(options));
+  if (auto started = service.start(); !started) return fail(started.error());
+  log(Severity::kInfo, "serving", "domain " + std::to_string(config.domain),
+      (*journal)->head().revision);
+  const int exit_code = wait_for_end(ending, service);
+  if (!service.stop(std::chrono::seconds(1))) {
+    // The solver is inside one long step. It writes nothing, and what is durable stays so.
+    journal->reset();
+    std::_Exit(exit_code);
+  }
+  return exit_code;
+}
+
+}  // namespace cairn

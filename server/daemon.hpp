@@ -1,0 +1,15 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <string>
+
+#include "server/config.hpp"
+
+namespace cairn {
+
+/// Serves the folder until SIGTERM or SIGINT; gives the exit code. Ends within two seconds of the
+/// signal: a running solve is abandoned. Once per process. `journal` is for tests.
+int run_daemon(const std::string& folder, const DaemonConfig& config,
+               const JournalOptions& journal = {});
+
+}  // namespace cairn
