@@ -16,19 +16,30 @@ cairn_wire_Source_status to_wire(const SourceStatus& status, Arena& arena) {
   wire.held = status.held;
   wire.clock_offset_ns = status.clock_offset_ns;
   wire.last_refusal = lend_cut(status.last_refusal, limits::kReason, arena);
+  auto* counts = make_sequence(wire.refused_by_code, status.refused_by_code.size(), arena);
+  for (const auto& [code, count] : status.refused_by_code)
+    *counts++ = {.refusal = static_cast<std::uint8_t>(code), .count = count};
   return wire;
 }
 
 SourceStatus read_source(Checks& checks, const cairn_wire_Source_status& wire) {
-  return {.source = checks.name("source", wire.source),
-          .epoch = wire.epoch,
-          .alive = wire.alive,
-          .highest_decided = wire.highest_decided,
-          .accepted = wire.accepted,
-          .refused = wire.refused,
-          .held = wire.held,
-          .clock_offset_ns = wire.clock_offset_ns,
-          .last_refusal = checks.text("last_refusal", wire.last_refusal, limits::kReason)};
+  SourceStatus status{
+      .source = checks.name("source", wire.source),
+      .epoch = wire.epoch,
+      .alive = wire.alive,
+      .highest_decided = wire.highest_decided,
+      .accepted = wire.accepted,
+      .refused = wire.refused,
+      .held = wire.held,
+      .clock_offset_ns = wire.clock_offset_ns,
+      .last_refusal = checks.text("last_refusal", wire.last_refusal, limits::kReason)};
+  if (checks.count("refused_by_code", wire.refused_by_code._length, 256)) {
+    const auto* counts = wire.refused_by_code._buffer;
+    for (std::uint32_t i = 0; i < wire.refused_by_code._length; ++i)
+      status.refused_by_code.emplace_back(static_cast<RefusalCode>(counts[i].refusal),
+                                          counts[i].count);
+  }
+  return status;
 }
 
 }  // namespace

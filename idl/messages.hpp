@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "cairn/core/content_hash.hpp"
@@ -164,6 +165,7 @@ struct SourceStatus {
   std::uint64_t held = 0;            ///< waiting for an earlier one or for another source
   std::int64_t clock_offset_ns = 0;  ///< the client's clock minus ours at arrival
   std::string last_refusal{};        ///< code and reason
+  std::vector<std::pair<RefusalCode, std::uint64_t>> refused_by_code{};
 };
 
 /// The daemon's pulse, latest kept.

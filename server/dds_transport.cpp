@@ -79,6 +79,7 @@ class DdsTransport final : public Transport {
 
   void publish(const Receipt& receipt) override { write(&Endpoints::receipt, receipt); }
   void publish(const SourceState& state) override { write(&Endpoints::source_state, state); }
+  void forget(const std::string& source, std::uint64_t epoch) override;
   void publish(const PayloadReceipt& receipt) override {
     write(&Endpoints::payload_receipt, receipt);
   }
@@ -270,6 +271,18 @@ void DdsTransport::publish(const Status& status) {
     own_status_.emplace(status.started_ns, status.head.store);
   }
   write(&Endpoints::status, status);
+}
+
+void DdsTransport::forget(const std::string& source, std::uint64_t epoch) {
+  if (!running_) return;
+  SourceState state;
+  state.source = source;
+  state.epoch = epoch;
+  wire::Arena arena;
+  (void)endpoints_->source_state.forget(wire::to_wire(state, arena));
+  Receipt receipt{.key = {source, epoch, 0}, .revision = {}};
+  for (; receipt.key.sequence < wire::kSlots; ++receipt.key.sequence)
+    (void)endpoints_->receipt.forget(wire::to_wire(receipt, arena));
 }
 
 // Keep-all writers wait for slow readers: from a thread that may.

@@ -135,6 +135,13 @@ class MemoryTransport final : public Transport {
     send_to_source("source_state", state.source, state.epoch, 0,
                    [state](LinkListener& to) { to.on_source_state(state); });
   }
+  void forget(const std::string& source, std::uint64_t epoch) override {
+    const std::lock_guard lock(network_->mutex);
+    std::erase_if(kept, [&](const auto& entry) {
+      const auto& [topic, name, number, slot] = entry.first;
+      return (topic == "receipt" || topic == "source_state") && name == source && number == epoch;
+    });
+  }
   void publish(const PayloadReceipt& receipt) override {
     send_to_source("", receipt.source, receipt.epoch, 0,
                    [receipt](LinkListener& to) { to.on_payload_receipt(receipt); });

@@ -245,6 +245,18 @@ std::vector<Receipt> Sequencer::turn_away(RefusalCode code, const std::string& r
   return receipts;
 }
 
+std::vector<Receipt> Sequencer::turn_away_stranger(const std::string& source,
+                                                   const Revision& head) {
+  std::vector<Receipt> receipts;
+  if (knows(source)) return receipts;
+  for (const auto& [place, waiting] : strangers_.remove_line(source))
+    receipts.push_back({waiting.arrival.transaction.key, head, RefusalCode::kOverBudget,
+                        "too many sources are there of which nothing was decided yet"});
+  awaiting_.erase(source);
+  openers_.erase(source);
+  return receipts;
+}
+
 std::uint64_t Sequencer::highest_decided(const std::string& source, std::uint64_t epoch) const {
   const auto known = sources_.find(source);
   return known != sources_.end() && known->second.epoch == epoch ? known->second.highest_decided

@@ -72,6 +72,9 @@ class Sequencer {
   /// Everything that waits leaves with this answer.
   std::vector<Receipt> turn_away(RefusalCode code, const std::string& reason, const Revision& head);
 
+  /// What waits of a stranger leaves with an answer. Nothing happens to a known source.
+  std::vector<Receipt> turn_away_stranger(const std::string& source, const Revision& head);
+
   /// Refusals that somebody else pronounced. Those of strangers are not counted.
   void count_refusal(const Receipt& receipt);
   [[nodiscard]] std::map<std::string, SourceCounters> counters() const;

@@ -1,11 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "server/service.hpp"
 
-#include <unistd.h>
-
 #include <algorithm>
 #include <cstdio>
-#include <fstream>
 #include <utility>
 
 #include "cairn/history/solve_record.hpp"
@@ -19,13 +16,6 @@ std::int64_t wall_clock_ns() {
   return std::chrono::duration_cast<std::chrono::nanoseconds>(
              std::chrono::system_clock::now().time_since_epoch())
       .count();
-}
-
-std::uint64_t resident_bytes() {
-  std::ifstream statistics("/proc/self/statm");
-  std::uint64_t all = 0, resident = 0;
-  statistics >> all >> resident;
-  return resident * static_cast<std::uint64_t>(sysconf(_SC_PAGESIZE));
 }
 
 }  // namespace
@@ -87,12 +77,21 @@ Result<void> Service::rebuild() {
   return {};
 }
 
+// To what the disk has. What waits is sent again as well.
+void Service::fall_back(const Error& error) {
+  if (journal_.failed()) fail(error);
+  for (const Receipt& receipt :
+       sequencer_.turn_away(RefusalCode::kStorageFull, error.to_string(), journal_.head().revision))
+    transport_.publish(receipt);
+  if (auto rebuilt = rebuild(); !rebuilt) fail(rebuilt.error());
+}
+
 void Service::pass(ServicePoint point) const {
   if (options_.on_point) options_.on_point(point);
 }
 
 void Service::on_transaction(Transaction transaction, const Sender& sender) {
-  post(Arrived{make_arrival(std::move(transaction)), sender});
+  post(make_arrival(std::move(transaction)), sender);
 }
 void Service::on_unreadable_transaction(UnreadableTransaction transaction, const Sender& sender) {
   Arrival arrival;
@@ -100,10 +99,14 @@ void Service::on_unreadable_transaction(UnreadableTransaction transaction, const
   arrival.hash = transaction.content;
   arrival.bytes = sizeof(Arrival) + transaction.reason.size();
   arrival.fault = Refusal{transaction.code, std::move(transaction.reason)};
-  post(Arrived{std::move(arrival), sender});
+  post(std::move(arrival), sender);
 }
-void Service::on_client(ClientState client, const Sender& /*sender*/) { post(std::move(client)); }
-void Service::on_source_lost(std::string /*source*/, const Sender& /*sender*/) {}
+void Service::on_client(ClientState client, const Sender& sender) {
+  post(Seen{std::move(client), sender});
+}
+void Service::on_source_lost(std::string source, const Sender& sender) {
+  post(Lost{std::move(source), sender.writer});
+}
 void Service::on_payload(Payload payload, const Sender& /*sender*/) {
   transport_.publish(PayloadReceipt{payload.source, payload.epoch, payload.number, payload.hash,
                                     PayloadAnswer::kRefused,
@@ -115,21 +118,21 @@ void Service::on_rival(Status rival) {
     fail({ErrorCode::kUsage, "another daemon serves this domain: stop it, or take another domain",
           rival.host});
 }
+// One a second: strangers can make any number of them.
 void Service::on_trouble(Error error) {
-  announce(Severity::kWarning, "transport", error.to_string());
-}
-
-void Service::announce(Severity severity, std::string kind, std::string text,
-                       const Revision& revision) {
-  Event event;
-  event.number = ++events_;
-  event.time_ns = wall_clock_ns();
-  event.severity = severity;
-  event.kind = std::move(kind);
-  event.revision = revision;
-  event.text = std::move(text);
-  if (options_.on_event) options_.on_event(event);
-  transport_.publish(event);
+  std::string text = error.to_string();
+  {
+    const std::lock_guard lock(mutex_);
+    const auto now = std::chrono::steady_clock::now();
+    if (now - trouble_told_ < std::chrono::seconds(1)) {
+      ++troubles_untold_;
+      return;
+    }
+    trouble_told_ = now;
+    if (const auto untold = std::exchange(troubles_untold_, 0); untold > 0)
+      text += "; before it " + std::to_string(untold) + " others within a second of one";
+  }
+  announce(Severity::kWarning, "transport", std::move(text));
 }
 
 void Service::post(Message message) {
@@ -138,6 +141,22 @@ void Service::post(Message message) {
     inbox_.push_back(std::move(message));
   }
   wake_.notify_one();
+}
+
+void Service::post(Arrival arrival, const Sender& sender) {
+  Receipt refusal{.key = arrival.transaction.key, .revision = {}};
+  {
+    const std::lock_guard lock(mutex_);
+    if (inbox_bytes_ + arrival.bytes <= options_.inbox_bytes) {
+      inbox_bytes_ += arrival.bytes;
+      inbox_.push_back(Arrived{std::move(arrival), sender});
+      wake_.notify_one();
+      return;
+    }
+  }
+  refusal.refusal = RefusalCode::kOverBudget;
+  refusal.reason = "the daemon is behind; what has arrived fills its memory";
+  transport_.publish(refusal);
 }
 
 void Service::fail(Error error) {
@@ -154,36 +173,13 @@ void Service::run() {
                      [this] { return stopping_ || !inbox_.empty(); });
       if (stopping_) return;
       messages.swap(inbox_);
+      inbox_bytes_ = 0;
     }
     watch_disk();
     if (!messages.empty()) handle(std::move(messages));
+    publish_state();
     solve_when_idle();
   }
-}
-
-void Service::refuse_for_now(const TransactionKey& key) {
-  transport_.publish(Receipt{key, journal_.head().revision, RefusalCode::kStorageFull,
-                             "under 2 % of the daemon's disk is free: make room there"});
-}
-
-// Once a second. A full disk is no end: clients keep what they have, and try again.
-void Service::watch_disk() {
-  const auto now = std::chrono::steady_clock::now();
-  if (now - disk_watched_ < std::chrono::seconds(1)) return;
-  disk_watched_ = now;
-  const DiskSpace before = std::exchange(disk_, journal_.space());
-  if (disk_ == before) return;
-  const Revision& head = head_.graph().graph_revision;
-  if (disk_ == DiskSpace::kPlenty) {
-    announce(Severity::kInfo, "disk", "more than 10 % of the disk is free again", head);
-  } else if (disk_ == DiskSpace::kLow) {
-    announce(Severity::kWarning, "disk",
-             "under 10 % of the disk is free; under 2 % nothing more is taken", head);
-  } else {
-    announce(Severity::kError, "disk",
-             "under 2 % of the disk is free: nothing is taken until there is room", head);
-  }
-  publish_state();
 }
 
 // Everything that came while the disk was busy shares one sync.
@@ -196,17 +192,16 @@ void Service::handle(std::deque<Message> messages) {
   std::vector<ClientState> clients;
   for (Message& message : messages) {
     if (auto* arrived = std::get_if<Arrived>(&message)) {
-      if (disk_ == DiskSpace::kFull) {
-        refuse_for_now(arrived->arrival.transaction.key);
-        continue;
-      }
-      sequencer_.take(std::move(arrived->arrival), arrived->sender.arrived_ns, head_, next,
-                      outcome);
-      last_input_ = std::chrono::steady_clock::now();
+      take(std::move(*arrived), next, outcome);
     } else if (auto* command = std::get_if<Command>(&message)) {
       commands.push_back(std::move(*command));
-    } else if (auto* client = std::get_if<ClientState>(&message)) {
-      clients.push_back(std::move(*client));
+    } else if (auto* seen = std::get_if<Seen>(&message)) {
+      writers_.arrive(seen->client, seen->sender);
+      clients.push_back(std::move(seen->client));
+    } else if (auto* lost = std::get_if<Lost>(&message)) {
+      if (const auto stranger = writers_.lose(lost->source, lost->writer))
+        let_strangers_go({*stranger});
+      state_changed_ = true;
     } else {
       solutions.push_back(std::move(std::get<std::unique_ptr<Solved>>(message)));
     }
@@ -214,8 +209,34 @@ void Service::handle(std::deque<Message> messages) {
   sequencer_.expire(wall_clock_ns(), head_, next, outcome);
   commit(std::move(outcome));
   for (const ClientState& client : clients) greet(client);
+  let_strangers_go(writers_.remove_excess_strangers());
   for (const auto& solved : solutions) take_solution(*solved);
   for (const Command& command : commands) carry_out(command);
+}
+
+void Service::take(Arrived arrived, Revision next, Sequencer::Outcome& outcome) {
+  const TransactionKey& key = arrived.arrival.transaction.key;
+  std::optional<Refusal> refusal = writers_.refuse(key, arrived.sender);
+  if (disk_ == DiskSpace::kFull)
+    refusal = Refusal{RefusalCode::kStorageFull,
+                      "under 2 % of the daemon's disk is free: make room there"};
+  if (refusal) {
+    outcome.answers.push_back({key, head_.graph().graph_revision, refusal->code, refusal->reason});
+    sequencer_.count_refusal(outcome.answers.back());
+    return;
+  }
+  sequencer_.take(std::move(arrived.arrival), arrived.sender.arrived_ns, head_, next, outcome);
+  last_input_ = std::chrono::steady_clock::now();
+}
+
+// Nothing is kept of those of whom the journal has nothing.
+void Service::let_strangers_go(const std::vector<Writers::Spool>& spools) {
+  for (const auto& [source, epoch] : spools) {
+    for (const Receipt& receipt : sequencer_.turn_away_stranger(source, journal_.head().revision))
+      transport_.publish(receipt);
+    changed_spools_.erase({source, epoch});
+    transport_.forget(source, epoch);
+  }
 }
 
 void Service::commit(Sequencer::Outcome outcome) {
@@ -233,69 +254,22 @@ void Service::commit(Sequencer::Outcome outcome) {
     const Result<Revision> appended = journal_.append(records);
     pass(ServicePoint::kCommitted);
     if (!appended) {
-      // Nothing of it happened: back to what the disk has. What waits is sent again as well.
-      if (journal_.failed()) fail(appended.error());
-      const Revision head = journal_.head().revision;
-      const std::string reason = appended.error().to_string();
+      // Nothing of it happened, and what it has led to is not said.
       receipts.insert(receipts.end(), outcome.answers.begin(), outcome.answers.end());
       for (const Receipt& receipt : receipts)
-        transport_.publish(Receipt{receipt.key, head, RefusalCode::kStorageFull, reason});
-      for (const Receipt& receipt : sequencer_.turn_away(RefusalCode::kStorageFull, reason, head))
-        transport_.publish(receipt);
-      if (auto rebuilt = rebuild(); !rebuilt) fail(rebuilt.error());
+        transport_.publish(Receipt{receipt.key, journal_.head().revision, RefusalCode::kStorageFull,
+                                   appended.error().to_string()});
+      fall_back(appended.error());
       return;
     }
-    for (const Receipt& receipt : receipts) transport_.publish(receipt);
+    for (const Receipt& receipt : receipts) {
+      transport_.publish(receipt);
+      changed_spools_.emplace(receipt.key.source, receipt.key.epoch);
+    }
   }
   for (const Receipt& answer : outcome.answers) transport_.publish(answer);
-  if (outcome.decisions.empty()) return;
-  publisher_.publish(head_.graph());
-  publish_state();
-}
-
-// A client sends nothing before it knows what was decided.
-void Service::greet(const ClientState& client) {
-  const JournalHead head = journal_.head();
-  SourceState state;
-  state.source = client.source;
-  state.epoch = client.epoch;
-  state.revision = head.revision;
-  state.chain = head.chain;
-  state.highest_decided = sequencer_.highest_decided(client.source, client.epoch);
-  transport_.publish(state);
-}
-
-void Service::publish_state() {
-  const JournalHead head = journal_.head();
-  Status status;
-  status.started_ns = started_ns_;
-  status.version = "0.1.0";
-  char host[256] = "";
-  gethostname(host, sizeof(host) - 1);
-  status.host = std::string(host) + ", process " + std::to_string(getpid());
-  status.state = DaemonState::kServing;
-  status.head = head.revision;
-  status.estimate = {head_.graph().graph_revision, head_.graph().solved_revision};
-  status.variables = head_.graph().nodes.size();
-  status.factors = head_.graph().factors.size();
-  status.chi2 = chi2_.value_or(0.0);
-  status.memory_bytes = resident_bytes();
-  status.disk_free_bytes = journal_.free_bytes();
-  if (disk_ != DiskSpace::kPlenty) status.message = "the disk is nearly full";
-  for (const auto& [name, counters] : sequencer_.counters()) {
-    transport_.publish(
-        SourceState{name, counters.epoch, counters.highest_decided, head.revision, head.chain});
-    SourceStatus source;
-    source.source = name;
-    source.epoch = counters.epoch;
-    source.highest_decided = counters.highest_decided;
-    source.accepted = counters.accepted;
-    source.refused = counters.refused;
-    source.held = counters.held;
-    source.last_refusal = counters.last_refusal;
-    status.sources.push_back(std::move(source));
-  }
-  transport_.publish(status);
+  state_changed_ |= !outcome.decisions.empty() || !outcome.answers.empty();
+  if (!outcome.decisions.empty()) publisher_.publish(head_.graph());
 }
 
 // A solve's own record comes right after what it has seen.
@@ -372,7 +346,7 @@ void Service::take_solution(const Solved& solved) {
   }
   chi2_ = summary.final_chi2;
   publisher_.publish(head_.graph());
-  publish_state();
+  state_changed_ = true;
   for (const Command& command : std::exchange(awaiting_solution_, {})) carry_out(command);
 }
 
@@ -385,8 +359,7 @@ bool Service::commit_solution(const Revision& base,
   const Result<Revision> appended = journal_.append(records);
   pass(ServicePoint::kCommitted);
   if (appended) return true;
-  if (journal_.failed()) fail(appended.error());
-  if (auto rebuilt = rebuild(); !rebuilt) fail(rebuilt.error());
+  fall_back(appended.error());
   return false;
 }
 

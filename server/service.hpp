@@ -9,6 +9,8 @@
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <set>
+#include <string>
 #include <thread>
 #include <variant>
 
@@ -17,6 +19,7 @@
 #include "server/estimate_publisher.hpp"
 #include "server/sequencer.hpp"
 #include "server/transport.hpp"
+#include "server/writers.hpp"
 
 namespace cairn {
 
@@ -36,6 +39,10 @@ struct ServiceOptions {
   /// Estimates are stored beside the journal after so many records, so that a start need not apply
   /// all solves.
   std::uint64_t snapshot_every = 10'000;
+  /// States of sources and of the daemon are published so often, where they have changed.
+  std::chrono::milliseconds state_every{1000};
+  /// What has arrived and was not looked at yet; beyond, transactions are refused for now.
+  std::size_t inbox_bytes = 256u << 20;
   SequencerLimits limits{};
   /// Told what is published as an event, for the log. From any thread.
   std::function<void(const Event&)> on_event{};
@@ -68,11 +75,19 @@ class Service final : private TransportListener {
     Arrival arrival;
     Sender sender;
   };
+  struct Seen {
+    ClientState client;
+    Sender sender;
+  };
+  struct Lost {
+    std::string source;
+    std::uint64_t writer;
+  };
   struct Solved {
     PoseGraph base;
     SettledEstimate settled;
   };
-  using Message = std::variant<Arrived, ClientState, Command, std::unique_ptr<Solved>>;
+  using Message = std::variant<Arrived, Seen, Lost, Command, std::unique_ptr<Solved>>;
 
   void on_transaction(Transaction transaction, const Sender& sender) override;
   void on_unreadable_transaction(UnreadableTransaction transaction, const Sender& sender) override;
@@ -84,11 +99,13 @@ class Service final : private TransportListener {
   void on_trouble(Error error) override;
 
   void post(Message message);
+  void post(Arrival arrival, const Sender& sender);
   void run();
   void watch_disk();
-  void refuse_for_now(const TransactionKey& key);
   void handle(std::deque<Message> messages);
+  void take(Arrived arrived, Revision next, Sequencer::Outcome& outcome);
   void commit(Sequencer::Outcome outcome);
+  void let_strangers_go(const std::vector<Writers::Spool>& spools);
   void greet(const ClientState& client);
   void take_solution(const Solved& solved);
   bool commit_solution(const Revision& base,
@@ -104,7 +121,9 @@ class Service final : private TransportListener {
                 const Revision& revision = {});
   void pass(ServicePoint point) const;
   void publish_state();
+  [[nodiscard]] Status make_status() const;
   Result<void> rebuild();
+  void fall_back(const Error& error);
   void fail(Error error);
 
   Journal& journal_;
@@ -114,18 +133,27 @@ class Service final : private TransportListener {
   // Of the deciding thread.
   MapHead head_;
   Sequencer sequencer_;
+  Writers writers_{[this](const Writers::Spool& spool) {
+    return sequencer_.highest_decided(spool.first, spool.second);
+  }};
   EstimatePublisher publisher_;
   std::chrono::steady_clock::time_point last_input_{};
   std::vector<Command> awaiting_solution_;
   std::int64_t started_ns_ = 0;
   DiskSpace disk_ = DiskSpace::kPlenty;
   std::chrono::steady_clock::time_point disk_watched_{};
-  std::optional<double> chi2_;     ///< of the last solve, where this process knows it
-  std::uint64_t snapshot_at_ = 0;  ///< the record that the newest snapshot is after
+  std::optional<double> chi2_;               ///< of the last solve, where this process knows it
+  std::uint64_t snapshot_at_ = 0;            ///< the record that the newest snapshot is after
+  std::set<Writers::Spool> changed_spools_;  ///< their state is to be published
+  bool state_changed_ = true;
+  std::chrono::steady_clock::time_point state_published_{};
 
   mutable std::mutex mutex_;  // guards what follows
   std::condition_variable wake_;
   std::deque<Message> inbox_;
+  std::size_t inbox_bytes_ = 0;
+  std::chrono::steady_clock::time_point trouble_told_{};
+  std::uint64_t troubles_untold_ = 0;
   bool stopping_ = false;
   std::optional<Error> failure_;
 

@@ -60,6 +60,8 @@ class Transport {
 
   virtual void publish(const Receipt& receipt) = 0;
   virtual void publish(const SourceState& state) = 0;
+  /// What was said to this spool is no longer kept for it.
+  virtual void forget(const std::string& source, std::uint64_t epoch) = 0;
   virtual void publish(const PayloadReceipt& receipt) = 0;
   /// One round: the chunks that changed since the last one. Clients see whole rounds only, and
   /// learn `revisions` even where no chunk changed. revisions.graph never falls within an era.

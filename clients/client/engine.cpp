@@ -231,7 +231,7 @@ void Client::Engine::on_receipt(Receipt receipt) {
   work_.notify_one();
   if (handle)
     handle->finish(std::move(receipt));
-  else if (final && receipt.refusal)
+  else if (final && receipt.refusal && *receipt.refusal != RefusalCode::kForeignSource)
     tell_refusal(receipt);
 }
 

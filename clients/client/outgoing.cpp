@@ -49,7 +49,9 @@ void Outgoing::postpone(std::uint64_t sequence, Clock::time_point now) {
 }
 
 bool Outgoing::receive(const Receipt& receipt, Clock::time_point now) {
-  if (receipt.refusal && is_retryable(*receipt.refusal)) {
+  // While another program lives under our name nothing is decided: offered again, until it ends.
+  if (receipt.refusal &&
+      (is_retryable(*receipt.refusal) || *receipt.refusal == RefusalCode::kForeignSource)) {
     postpone(receipt.key.sequence, now);
     return false;
   }

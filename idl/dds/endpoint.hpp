@@ -59,6 +59,12 @@ class Writer {
   [[nodiscard]] dds_return_t write(const T& sample) const {
     return dds_write(endpoint_.handle(), &sample);
   }
+  /// Keeps nothing any more of the instance that has the key of `sample`.
+  [[nodiscard]] dds_return_t forget(const T& sample) const {
+    const dds_instance_handle_t instance = dds_lookup_instance(endpoint_.handle(), &sample);
+    return instance == DDS_HANDLE_NIL ? DDS_RETCODE_OK
+                                      : dds_unregister_instance_ih(endpoint_.handle(), instance);
+  }
   [[nodiscard]] dds_entity_t handle() const { return endpoint_.handle(); }
 
  private:

@@ -4,6 +4,10 @@
 #include <gtest/gtest.h>
 
 #include <atomic>
+#include <condition_variable>
+#include <filesystem>
+#include <functional>
+#include <mutex>
 #include <thread>
 
 #include "clients/client/client.hpp"
@@ -34,11 +38,14 @@ struct Station {
   explicit Station(const std::filesystem::path& folder, const JournalOptions& options = {})
       : journal(*Journal::open((folder / "data").string(), options)),
         transport(network.make_transport()),
-        service(*journal, *transport, {.solve_after_pause = 20ms}),
-        client(*Client::connect(
-            {.source = "test", .robot = "robot", .spool = folder / "spool"},
-            [this](Link::Identity identity) { return network.make_link(std::move(identity)); })) {
+        service(*journal, *transport, {.solve_after_pause = 20ms, .state_every = 10ms}),
+        client(connect(folder / "spool")) {
     EXPECT_TRUE(service.start());
+  }
+  Client connect(const std::filesystem::path& spool) {
+    return *Client::connect(
+        {.source = "test", .robot = "robot", .spool = spool, .retry_most = 50ms},
+        [this](Link::Identity identity) { return network.make_link(std::move(identity)); });
   }
 
   MemoryNetwork network;
@@ -194,6 +201,67 @@ TEST(Service, HandsAFinalRefusalToTheCallerAndKeepsTheMap) {
   const Result<std::string> reply = station.client.command("dance", 10s);
   ASSERT_FALSE(reply);
   EXPECT_EQ(reply.error().message, "unknown command 'dance'; known: settle");
+}
+
+// A copy of a spool, as a program has that starts again before the lease of its last run has ended.
+TEST(Service, LetsASecondWriterOfTheSameSpoolWaitForTheEndOfTheFirst) {
+  const test::TemporaryFolder folder;
+  Station station(folder.path());
+  const std::vector<Transaction> steps = drive(10);
+  for (std::size_t i = 0; i < 5; ++i) ASSERT_TRUE(station.client.submit(steps[i], 10s));
+  std::filesystem::copy(folder.path() / "spool", folder.path() / "copy");
+  Client second = station.connect(folder.path() / "copy");
+  const Submission waiting = *second.submit_async(steps[5]);
+  EXPECT_FALSE(waiting.wait(200ms));
+  { const Client end = std::move(station.client); }
+  const Result<Receipt> receipt = waiting.wait(10s);
+  ASSERT_TRUE(receipt) << receipt.error().to_string();
+  EXPECT_FALSE(receipt->refusal) << receipt->reason;
+  EXPECT_EQ(receipt->key.sequence, 6U);
+}
+
+TEST(Service, RefusesAnotherProgramUnderALivingSourcesName) {
+  const test::TemporaryFolder folder;
+  Station station(folder.path());
+  const std::vector<Transaction> steps = drive(10);
+  ASSERT_TRUE(station.client.submit(steps[0], 10s));
+  {
+    Client other = station.connect(folder.path() / "other");
+    const Result<Receipt> receipt = other.submit(steps[1], 10s);
+    ASSERT_TRUE(receipt) << receipt.error().to_string();
+    EXPECT_EQ(receipt->refusal, RefusalCode::kForeignSource);
+  }
+  EXPECT_FALSE(station.client.submit(steps[1], 10s)->refusal);  // it disturbed nobody
+}
+
+TEST(Service, TellsItsStateAndThatOfItsSources) {
+  const test::TemporaryFolder folder;
+  Station station(folder.path());
+  std::mutex mutex;
+  std::condition_variable changed;
+  Status status;
+  Client watcher = *Client::connect(
+      {}, [&](Link::Identity identity) { return station.network.make_link(std::move(identity)); });
+  watcher.on_status([&](const Status& now) {
+    const std::lock_guard lock(mutex);
+    status = now;
+    changed.notify_all();
+  });
+  const auto wait = [&](const std::function<bool()>& condition) {
+    std::unique_lock lock(mutex);
+    return changed.wait_for(lock, 10s, condition);
+  };
+  const std::vector<Transaction> steps = drive(2);
+  ASSERT_TRUE(station.client.submit(steps[0], 10s));
+  ASSERT_TRUE(station.client.submit(steps[0], 10s)->refusal);  // the node is there
+  EXPECT_TRUE(wait([&] { return status.sources.size() == 1 && status.sources[0].refused == 1; }));
+  EXPECT_EQ(status.sources[0].accepted, 1U);
+  EXPECT_TRUE(status.sources[0].alive);
+  EXPECT_EQ(status.sources[0].refused_by_code.at(0).first, RefusalCode::kConflict);
+  EXPECT_LE(status.sources[0].clock_offset_ns, 0);  // the same clock, and some delay
+  EXPECT_GT(status.sources[0].clock_offset_ns, -10'000'000'000);
+  { const Client end = std::move(station.client); }
+  EXPECT_TRUE(wait([&] { return !status.sources[0].alive; }));
 }
 
 }  // namespace

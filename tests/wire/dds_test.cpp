@@ -76,6 +76,24 @@ TEST_F(Dds, TellsThatAClientCameAndThatItWent) {
   EXPECT_EQ(lost[0].second.writer, 78u);
 }
 
+TEST_F(Dds, ForgetsWhatItSaidToASpoolThatIsGone) {
+  ASSERT_TRUE(transport_->start(daemon_));
+  for (std::uint64_t i = 1; i <= 20; ++i)
+    transport_->publish(Receipt{.key = {"wheels", 5, i}, .revision = {9, 0, i}});
+  transport_->publish(SourceState{.source = "wheels", .epoch = 5, .highest_decided = 4});
+  transport_->publish(SourceState{.source = "sonar", .epoch = 5, .highest_decided = 4});
+  transport_->forget("wheels", 5);
+  auto other = make_link("sonar", 78);
+  test::RecordingClient other_client;
+  ASSERT_TRUE(other->start(other_client));
+  ASSERT_TRUE(link_->start(client_));
+  EXPECT_EQ(other_client.source_states.wait_for(1).size(), 1u);
+  transport_->publish(SourceState{.source = "wheels", .epoch = 5, .highest_decided = 6});
+  EXPECT_EQ(client_.source_states.wait_for(1).at(0).highest_decided, 6u);
+  EXPECT_THAT(client_.receipts.all(), testing::IsEmpty());
+  EXPECT_EQ(client_.source_states.all().size(), 1u);
+}
+
 TEST_F(Dds, DeliversWholeRoundsAndTheNewestChunksToLateComers) {
   ASSERT_TRUE(transport_->start(daemon_));
   transport_->publish_poses(test::revisions(1, 0),
