@@ -150,10 +150,14 @@ Result<std::unique_ptr<FolderLock>> FolderLock::take(const std::string& folder) 
   }
   std::unique_ptr<FolderLock> lock(new FolderLock(descriptor));
   if (!lock_whole(descriptor, F_WRLCK)) {
-    if (lock_whole(descriptor, F_RDLCK))
-      return lock_error(place, "the data folder is being read (cairn verify, log, ...); try again");
-    return lock_error(place, "the data folder is in use by process " + holder_of(descriptor) +
-                                 "; stop it, or use another folder");
+    if (lock_whole(descriptor, F_RDLCK)) {
+      return Error{ErrorCode::kUsage,
+                   "the data folder is being read (cairn verify, log, ...); try again", place};
+    }
+    return Error{ErrorCode::kUsage,
+                 "the data folder is in use by process " + holder_of(descriptor) +
+                     "; stop it, or use another folder",
+                 place};
   }
   const std::string own = std::to_string(::getpid());
   if (::ftruncate(descriptor, 0) != 0 ||

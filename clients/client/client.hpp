@@ -97,6 +97,9 @@ class Client {
   /// A verb of the command line; the daemon's answer, or its error.
   Result<std::string> command(const std::string& text, std::chrono::milliseconds timeout);
 
+  /// What the next submission gets: 1 with a new spool. So a program that was restarted knows how
+  /// much of its input it has submitted before.
+  [[nodiscard]] std::uint64_t next_sequence() const;
   /// Taken and not yet decided.
   [[nodiscard]] std::uint64_t undecided() const;
 

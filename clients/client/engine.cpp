@@ -90,6 +90,11 @@ Result<Client::Engine::Handle> Client::Engine::submit(Transaction transaction) {
   return handle;
 }
 
+std::uint64_t Client::Engine::next_sequence() const {
+  const std::lock_guard lock(mutex_);
+  return next_sequence_;
+}
+
 std::uint64_t Client::Engine::undecided() const {
   const std::lock_guard lock(mutex_);
   return next_sequence_ - 1 - outgoing_.decided();

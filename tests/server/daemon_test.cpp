@@ -1,21 +1,19 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The real daemon as a process, over real DDS, in a domain of its own.
 #include <gtest/gtest.h>
-#include <signal.h>
-#include <sys/wait.h>
-#include <unistd.h>
 
 #include <random>
-#include <thread>
 
 #include "clients/client/client.hpp"
-#include "tests/client/temporary_folder.hpp"
 #include "tests/server/drive.hpp"
+#include "tests/support/own_domain.hpp"
+#include "tests/support/process.hpp"
 
 namespace cairn {
 namespace {
 
 using namespace std::chrono_literals;
+using test::Process;
 
 class Daemon {
  public:
@@ -23,33 +21,21 @@ class Daemon {
       : folder_(std::move(folder)), domain_(domain) {
     start();
   }
-  ~Daemon() { end(SIGKILL); }
 
   void start() {
-    process_ = fork();
-    if (process_ != 0) return;
-    const std::string domain = std::to_string(domain_);
-    execl(CAIRND_BINARY, CAIRND_BINARY, "--data", folder_.c_str(), "--domain", domain.c_str(),
-          nullptr);
-    _exit(127);
+    process_ = Process({CAIRND_BINARY, "--data", folder_, "--domain", std::to_string(domain_)});
   }
-  /// Its wait status.
-  int end(int signal_number) {
-    if (process_ <= 0) return 0;
-    kill(process_, signal_number);
-    int status = 0;
-    waitpid(process_, &status, 0);
-    process_ = 0;
-    return status;
+  /// Its exit code.
+  int end(int signal_number) { return process_.end(signal_number).exit_code; }
+  std::optional<test::ProcessResult> wait(std::chrono::milliseconds timeout) {
+    return process_.wait(timeout);
   }
 
  private:
   std::filesystem::path folder_;
   std::uint32_t domain_;
-  pid_t process_ = 0;
+  Process process_;
 };
-
-std::uint32_t own_domain() { return 100 + static_cast<std::uint32_t>(getpid()) % 100; }
 
 TEST(Daemon, LosesAndDoublesNothingWhenItIsKilledAgainAndAgain) {
   const test::TemporaryFolder folder;
@@ -57,9 +43,9 @@ TEST(Daemon, LosesAndDoublesNothingWhenItIsKilledAgainAndAgain) {
   std::mt19937 random(seed);
   SCOPED_TRACE(::testing::Message() << "seed " << seed);
   const std::vector<Transaction> steps = test::drive(600);
-  Daemon daemon(folder.path() / "data", own_domain());
+  Daemon daemon(folder.path() / "data", test::own_domain());
   {
-    Result<Client> client = Client::connect({.domain = own_domain(),
+    Result<Client> client = Client::connect({.domain = test::own_domain(),
                                              .source = "test",
                                              .robot = "robot",
                                              .spool = folder.path() / "spool"});
@@ -105,12 +91,12 @@ TEST(Daemon, RefusesAFolderThatAnotherOneServes) {
   const test::TemporaryFolder folder;
   const auto journal = Journal::open((folder.path() / "data").string());
   ASSERT_TRUE(journal);
-  Daemon second(folder.path() / "data", own_domain());
-  int status = 0;
-  for (int i = 0; i < 500 && waitpid(-1, &status, WNOHANG) == 0; ++i)
-    std::this_thread::sleep_for(10ms);
-  ASSERT_TRUE(WIFEXITED(status));
-  EXPECT_NE(WEXITSTATUS(status), 0);
+  Daemon second(folder.path() / "data", test::own_domain());
+  const auto result = second.wait(5s);
+  ASSERT_TRUE(result);
+  EXPECT_EQ(result->exit_code, 2);
+  EXPECT_NE(result->err.find("the data folder is in use by process"), std::string::npos)
+      << result->err;
 }
 
 }  // namespace

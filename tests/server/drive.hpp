@@ -11,36 +11,42 @@
 
 namespace cairn::test {
 
-/// A drive with loops, as transactions of one robot.
-inline std::vector<Transaction> drive(std::uint64_t count) {
-  std::mt19937 random(5);
+/// The robot that others, which call themselves otherwise, see now and then on their way.
+inline constexpr const char* kLeader = "robot";
+
+/// The i-th step of a robot's drive with loops, the same at each call.
+inline Transaction drive_step(const std::string& robot, std::uint64_t i) {
+  std::mt19937 random(static_cast<std::uint32_t>(5 + i));
   std::normal_distribution<double> noise(0.0, 0.05);
+  Transaction step;
+  const NodeId pose{{robot, 3}, i};
+  step.variables.push_back(
+      {pose, VariableType::kPose2, {static_cast<double>(i), noise(random), 0.0}, 0, {}});
+  const auto tie = [&](const NodeId& to, FactorKind kind) {
+    NewFactor factor;
+    factor.type = FactorType{1};
+    factor.kind = kind;
+    factor.nodes = {to, pose};
+    factor.numbers = {static_cast<double>(i - to.index) + noise(random),
+                      noise(random),
+                      noise(random),
+                      100.0,
+                      0.0,
+                      0.0,
+                      100.0,
+                      0.0,
+                      400.0};
+    step.factors.push_back(factor);
+  };
+  if (i > 0) tie({pose.frame, i - 1}, FactorKind::kOdometry);
+  if (i >= 7) tie({pose.frame, i - 7}, FactorKind::kLoop);
+  if (robot != kLeader && i % 10 == 0) tie({{kLeader, 3}, i}, FactorKind::kLoop);
+  return step;
+}
+
+inline std::vector<Transaction> drive(std::uint64_t count) {
   std::vector<Transaction> steps;
-  for (std::uint64_t i = 0; i < count; ++i) {
-    Transaction step;
-    const NodeId pose{{"robot", 3}, i};
-    step.variables.push_back(
-        {pose, VariableType::kPose2, {static_cast<double>(i), noise(random), 0.0}, 0, {}});
-    const auto tie = [&](std::uint64_t to, FactorKind kind) {
-      NewFactor factor;
-      factor.type = FactorType{1};
-      factor.kind = kind;
-      factor.nodes = {{pose.frame, to}, pose};
-      factor.numbers = {static_cast<double>(i - to) + noise(random),
-                        noise(random),
-                        noise(random),
-                        100.0,
-                        0.0,
-                        0.0,
-                        100.0,
-                        0.0,
-                        400.0};
-      step.factors.push_back(factor);
-    };
-    if (i > 0) tie(i - 1, FactorKind::kOdometry);
-    if (i >= 7) tie(i - 7, FactorKind::kLoop);
-    steps.push_back(step);
-  }
+  for (std::uint64_t i = 0; i < count; ++i) steps.push_back(drive_step(kLeader, i));
   return steps;
 }
 

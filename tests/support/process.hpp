@@ -6,7 +6,11 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <chrono>
+#include <optional>
 #include <string>
+#include <thread>
+#include <utility>
 #include <vector>
 
 #include "tests/support/temporary_folder.hpp"
@@ -39,25 +43,53 @@ class Process {
     if (ready) execv(words[0], words.data());
     _exit(127);
   }
-  Process(const Process&) = delete;
-  Process& operator=(const Process&) = delete;
+  Process() = default;  ///< none
+  Process(Process&& other) noexcept : Process() { swap(other); }
+  Process& operator=(Process&& other) noexcept {
+    swap(other);
+    return *this;
+  }
   ~Process() {
-    if (pid_ > 0) kill(pid_, SIGKILL), wait();
+    if (pid_ > 0) end(SIGKILL);
   }
 
+  [[nodiscard]] bool runs() const { return pid_ > 0; }
   void send(int signal_number) const { kill(pid_, signal_number); }
+  /// Sends the signal, also to a stopped process, and waits.
+  ProcessResult end(int signal_number) {
+    send(signal_number);
+    send(SIGCONT);
+    return wait();
+  }
   /// What it wrote to standard output so far.
   [[nodiscard]] std::string out() const { return read_file(streams_.file("out")); }
 
   ProcessResult wait() {
     int status = 0;
     waitpid(pid_, &status, 0);
+    return result(status);
+  }
+  /// Nothing where it still runs after that time.
+  std::optional<ProcessResult> wait(std::chrono::milliseconds timeout) {
+    const auto deadline = std::chrono::steady_clock::now() + timeout;
+    int status = 0;
+    while (waitpid(pid_, &status, WNOHANG) == 0) {
+      if (std::chrono::steady_clock::now() > deadline) return std::nullopt;
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    }
+    return result(status);
+  }
+
+ private:
+  void swap(Process& other) noexcept {
+    std::swap(streams_, other.streams_);
+    std::swap(pid_, other.pid_);
+  }
+  ProcessResult result(int status) {
     pid_ = 0;
     const int code = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
     return {code, out(), read_file(streams_.file("err"))};
   }
-
- private:
   static bool redirect(const std::string& path, int flags, int descriptor) {
     const int file = open(path.c_str(), flags, 0600);
     return file >= 0 && dup2(file, descriptor) == descriptor;

@@ -18,11 +18,15 @@ class TemporaryFolder {
   }
   ~TemporaryFolder() {
     std::error_code ignored;
-    std::filesystem::remove_all(path_, ignored);
+    if (!path_.empty()) std::filesystem::remove_all(path_, ignored);
   }
-  TemporaryFolder(const TemporaryFolder&) = delete;
-  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
+  TemporaryFolder(TemporaryFolder&& other) noexcept { path_.swap(other.path_); }
+  TemporaryFolder& operator=(TemporaryFolder&& other) noexcept {
+    path_.swap(other.path_);
+    return *this;
+  }
 
+  [[nodiscard]] const std::filesystem::path& path() const { return path_; }
   /// The path of a file in this folder.
   [[nodiscard]] std::string file(const std::string& name) const { return (path_ / name).string(); }
   /// Writes a file here and gives its path.

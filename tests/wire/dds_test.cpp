@@ -6,6 +6,7 @@
 
 #include "clients/client/dds_link.hpp"
 #include "server/dds_transport.hpp"
+#include "tests/support/own_domain.hpp"
 #include "tests/wire/listeners.hpp"
 #include "tests/wire/messages.hpp"
 
@@ -14,7 +15,7 @@ namespace {
 
 class Dds : public testing::Test {
  protected:
-  static std::uint32_t domain() { return 1 + static_cast<std::uint32_t>(getpid()) % 200; }
+  static std::uint32_t domain() { return test::own_domain(); }
   static std::unique_ptr<Link> make_link(const std::string& source, std::uint64_t writer) {
     return make_dds_link({.domain = domain()}, {.source = source, .epoch = 5, .writer = writer});
   }

@@ -1,0 +1,319 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Daemon and clients as processes over real DDS, killed again and again at named points and at
+// random moments. CAIRN_KILLS sets how often (40), CAIRN_SEED repeats a run.
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <fstream>
+#include <iostream>
+#include <map>
+#include <mutex>
+#include <random>
+#include <set>
+
+#include "cairn/journal/journal.hpp"
+#include "cairn/replay/head_hash.hpp"
+#include "clients/client/client.hpp"
+#include "clients/client/dds_link.hpp"
+#include "clients/client/spool.hpp"
+#include "tests/server/drive.hpp"
+#include "tests/support/own_domain.hpp"
+#include "tests/support/process.hpp"
+
+namespace cairn {
+namespace {
+
+namespace fs = std::filesystem;
+using namespace std::chrono_literals;
+using test::Process;
+
+constexpr const char* kRobots[] = {test::kLeader, "follower"};
+constexpr const char* kDaemonDeaths[] = {"recovery", "before-commit",   "committed",
+                                         "solving",  "before-snapshot", "snapshot-written",
+                                         "new-file", "random moment",   "stopped for 2.5 s"};
+
+std::uint64_t from_environment(const char* name, std::uint64_t otherwise) {
+  const char* text = std::getenv(name);
+  return text ? std::strtoull(text, nullptr, 10) : otherwise;
+}
+
+/// By key: the record that a receipt named.
+using Receipted = std::map<std::pair<std::string, std::uint64_t>, std::uint64_t>;
+
+class KillTest : public testing::Test {
+ protected:
+  KillTest() : random_(seed_) {
+    std::cout << "CAIRN_SEED=" << seed_ << ", " << kills_ << " kills, domain " << domain_ << '\n';
+  }
+
+  fs::path data() const { return folder_.path() / "data"; }
+  fs::path told() const { return folder_.path() / "told"; }
+  fs::path spool(const std::string& robot) const { return folder_.path() / ("spool-" + robot); }
+  fs::path receipts(const std::string& robot) const {
+    return folder_.path() / ("receipts-" + robot);
+  }
+
+  Process start_daemon(const std::string& point, std::uint64_t count) {
+    fs::remove(told());
+    return Process({KILLABLE_DAEMON_BINARY, data(), std::to_string(domain_), point,
+                    std::to_string(count), told()});
+  }
+  Process start_client(const std::string& robot) {
+    return Process(
+        {KILLABLE_CLIENT_BINARY, std::to_string(domain_), spool(robot), robot, receipts(robot)});
+  }
+
+  std::uint64_t draw(std::uint64_t first, std::uint64_t last) {
+    return std::uniform_int_distribution<std::uint64_t>(first, last)(random_);
+  }
+
+  // One life of the daemon.
+  void let_die(const std::string& death) {
+    const bool at_point = death != kDaemonDeaths[7] && death != kDaemonDeaths[8];
+    const std::uint64_t most = death == "recovery" ? std::max<std::uint64_t>(records_, 1)
+                               : death.ends_with("commit") || death == "committed" ? 12
+                               : death == "solving"                                ? 6
+                                                                                   : 2;
+    Process daemon = start_daemon(at_point ? death : "none", draw(1, most));
+    ASSERT_TRUE(daemon.runs());
+    if (death == kDaemonDeaths[8]) {
+      std::this_thread::sleep_for(300ms);
+      daemon.send(SIGSTOP);
+      std::this_thread::sleep_for(2500ms);  // longer than the lease: clients think it is gone
+      daemon.send(SIGCONT);
+      std::this_thread::sleep_for(300ms);
+    } else if (!at_point) {
+      std::this_thread::sleep_for(std::chrono::milliseconds(draw(20, 600)));
+    }
+    if (at_point && daemon.wait(3s)) {
+      ASSERT_TRUE(fs::exists(told())) << "the daemon ended by itself";
+      ++deaths_[death];
+    } else {
+      daemon.end(SIGKILL);
+      ++deaths_[at_point ? kDaemonDeaths[7] : death];
+    }
+  }
+
+  Receipted read_receipts() const {
+    Receipted all;
+    for (const char* robot : kRobots) {
+      std::ifstream file(receipts(robot));
+      std::uint64_t sequence = 0, number = 0;
+      while (file >> sequence >> number) all[{robot, sequence}] = number;
+    }
+    return all;
+  }
+
+  // What is receipted is in the journal, where the receipt says, and nothing is there twice.
+  void check_journal() {
+    const Receipted promised = read_receipts();
+    JournalOptions options;
+    options.read_only = true;
+    const auto journal = Journal::open(data().string(), options);
+    if (!journal && promised.empty()) return;  // killed before there was one
+    ASSERT_TRUE(journal) << journal.error().to_string();
+    Receipted found;
+    ASSERT_TRUE((*journal)->for_each(1, [&](const Record& record) -> Result<void> {
+      if (const auto* transaction = std::get_if<TransactionRecord>(&record.body)) {
+        EXPECT_TRUE(std::holds_alternative<Transaction>(transaction->outcome));
+        const TransactionKey& key = transaction->key();
+        EXPECT_TRUE(found.emplace(std::pair(key.source, key.sequence), record.number).second)
+            << key.source << ' ' << key.sequence << " is there twice";
+      }
+      return {};
+    }));
+    for (const auto& [key, number] : promised) {
+      const auto there = found.find(key);
+      ASSERT_NE(there, found.end()) << key.first << ' ' << key.second << " is lost";
+      EXPECT_EQ(there->second, number);
+    }
+    records_ = (*journal)->head().revision.number;
+    transactions_ = found.size();
+  }
+
+  // Executes the journal again in a process of its own: the same hash at every revision as before.
+  void verify() {
+    const fs::path hashes = folder_.path() / "hashes.csv";
+    Process verify({CAIRN_BINARY, "verify", "--data", data(), "--hashes", hashes, "--quiet"});
+    const auto result = verify.wait(120s);
+    ASSERT_TRUE(result);
+    ASSERT_EQ(result->exit_code, 0) << result->err;
+    std::ifstream file(hashes);
+    const std::string now(std::istreambuf_iterator<char>(file), {});
+    EXPECT_TRUE(now.starts_with(hashes_)) << "history has changed";
+    hashes_ = now;
+  }
+
+  void stop(Process& client) {
+    client.send(SIGTERM);
+    const auto result = client.wait(60s);
+    ASSERT_TRUE(result) << "a client waits for ever";
+    EXPECT_EQ(result->exit_code, 0) << result->err;
+  }
+
+  const std::uint64_t seed_ = from_environment("CAIRN_SEED", std::random_device{}());
+  const std::uint64_t kills_ = from_environment("CAIRN_KILLS", 40);
+  const std::uint32_t domain_ = test::own_domain();
+  test::TemporaryFolder folder_;
+  std::mt19937_64 random_;
+  std::map<std::string, int> deaths_;
+  std::uint64_t records_ = 0, transactions_ = 0;
+  std::string hashes_;
+};
+
+// Sends whole spools again, as a client would that has forgotten everything, and keeps the answers.
+class Resender final : public LinkListener {
+ public:
+  Resender(std::uint32_t domain, const std::string& source, const fs::path& folder)
+      : source_(source), spool_(*Spool::open({.folder = folder, .source = source})) {
+    link_ = make_dds_link({.domain = domain}, {source, spool_.epoch(), 1});
+  }
+  ~Resender() override { link_->stop(); }
+
+  Receipted run() {
+    EXPECT_TRUE(link_->start(*this));
+    constexpr std::uint64_t kWindow = 200;
+    for (std::uint64_t first = spool_.oldest_kept(); first < spool_.next_sequence();
+         first += kWindow) {
+      const std::uint64_t end = std::min(first + kWindow, spool_.next_sequence());
+      const auto deadline = std::chrono::steady_clock::now() + 30s;
+      while (missing(first, end) && std::chrono::steady_clock::now() < deadline) {
+        send(first, end);
+        std::this_thread::sleep_for(100ms);
+      }
+    }
+    const std::lock_guard lock(mutex_);
+    return answers_;
+  }
+
+ private:
+  bool missing(std::uint64_t first, std::uint64_t end) {
+    const std::lock_guard lock(mutex_);
+    for (; first < end && answers_.contains({source_, first}); ++first) {
+    }
+    return first < end;
+  }
+  void send(std::uint64_t first, std::uint64_t end) {
+    for (std::uint64_t sequence = first; sequence < end; ++sequence) {
+      const auto bytes = spool_.read(sequence);
+      ASSERT_TRUE(bytes) << bytes.error().to_string();
+      ASSERT_TRUE(link_->send(*decode_transaction(*bytes)));
+    }
+  }
+  void on_receipt(Receipt receipt) override {
+    if (receipt.refusal && is_retryable(*receipt.refusal)) return;  // the lease of the one before
+    EXPECT_FALSE(receipt.refusal) << receipt.reason;
+    const std::lock_guard lock(mutex_);
+    answers_[{receipt.key.source, receipt.key.sequence}] = receipt.revision.number;
+  }
+  void on_source_state(SourceState) override {}
+  void on_payload_receipt(PayloadReceipt) override {}
+  void on_poses(EstimateRevisions, std::vector<PoseChunk>) override {}
+  void on_landmarks(EstimateRevisions, std::vector<LandmarkChunk>) override {}
+  void on_correction(Correction) override {}
+  void on_status(Status) override {}
+  void on_event(Event) override {}
+  void on_reply(Reply) override {}
+  void on_trouble(Error error) override { ADD_FAILURE() << error.to_string(); }
+
+  std::string source_;
+  Spool spool_;
+  std::unique_ptr<Link> link_;
+  std::mutex mutex_;
+  Receipted answers_;
+};
+
+// The head of a run that nothing disturbs: one robot after the other.
+ContentHash undisturbed(const std::map<std::string, std::uint64_t>& steps) {
+  MapHead head;
+  std::uint64_t number = 0;
+  for (const char* robot : kRobots) {
+    for (std::uint64_t i = 0; i < steps.at(robot); ++i) {
+      Transaction step = test::drive_step(robot, i);
+      step.key = {robot, 1, i + 1};
+      head.apply(step, {1, 0, ++number});
+    }
+  }
+  const auto changed = changed_estimates(head.graph(), settle(head.graph()));
+  head.apply_estimates(changed, {1, 0, number}, {1, 0, number + 1});
+  HeadHash hash;
+  hash.update(head.graph());
+  return hash.value();
+}
+
+ContentHash recorded(const Journal& journal) {
+  MapHead head;
+  Sequencer sequencer;
+  EXPECT_TRUE(replay_journal(journal, head, sequencer));
+  HeadHash hash;
+  hash.update(head.graph());
+  return hash.value();
+}
+
+TEST_F(KillTest, LosesAndDoublesNothing) {
+  std::map<std::string, Process> clients;
+  for (const char* robot : kRobots) clients[robot] = start_client(robot);
+  for (std::uint64_t kill = 0; kill < kills_ && !HasFatalFailure(); ++kill) {
+    SCOPED_TRACE("kill " + std::to_string(kill));
+    if (kill % 5 == 4) {  // a client dies as well, somewhere in this life of the daemon
+      const std::string robot = kRobots[draw(0, 1)];
+      clients[robot].end(SIGKILL);
+      clients[robot] = start_client(robot);
+    }
+    let_die(kDaemonDeaths[kill % std::size(kDaemonDeaths)]);
+    check_journal();
+    if (kill % 10 == 9) verify();
+    if (kill == kills_ / 2) {
+      clients["follower"].end(SIGKILL);
+      fs::copy(spool("follower"), folder_.path() / "copy");
+      clients["follower"] = start_client("follower");
+    }
+  }
+  Process daemon = start_daemon("none", 1);
+  stop(clients["follower"]);  // first: it waits for poses of the other
+  stop(clients[test::kLeader]);
+
+  const auto command = [&](const std::string& text) {
+    Result<Client> client = Client::connect({.domain = domain_});
+    ASSERT_TRUE(client);
+    const auto reply = client->command(text, 60s);
+    EXPECT_TRUE(reply) << reply.error().to_string();
+  };
+  command("settle");
+  // Everything is sent once more: from the spools, and from an old copy of one.
+  const Receipted promised = read_receipts();
+  for (const char* robot : kRobots) {
+    for (const auto& [key, number] : Resender(domain_, robot, spool(robot)).run()) {
+      const auto receipt = promised.find(key);
+      EXPECT_TRUE(receipt == promised.end() || receipt->second == number) << key.second;
+    }
+  }
+  Resender(domain_, "follower", folder_.path() / "copy").run();
+  command("settle");
+  EXPECT_EQ(daemon.end(SIGTERM).exit_code, 0);
+
+  const std::uint64_t before = transactions_;
+  check_journal();
+  EXPECT_GE(transactions_, before);
+  verify();
+  std::map<std::string, std::uint64_t> steps;
+  const auto journal = Journal::open(data().string());
+  ASSERT_TRUE(journal);
+  ASSERT_TRUE((*journal)->for_each(1, [&](const Record& record) -> Result<void> {
+    if (const auto* transaction = std::get_if<TransactionRecord>(&record.body)) {
+      EXPECT_EQ(transaction->key().sequence, ++steps[transaction->key().source]);
+    }
+    return {};
+  }));
+  EXPECT_EQ(recorded(**journal), undisturbed(steps));
+
+  std::cout << records_ << " records, " << transactions_ << " transactions; the daemon died at:";
+  for (const auto& [death, count] : deaths_) std::cout << ' ' << death << " x" << count << ',';
+  std::cout << '\n';
+  if (kills_ >= 40) {
+    for (const char* death : kDaemonDeaths) EXPECT_GT(deaths_[death], 0) << death;
+  }
+}
+
+}  // namespace
+}  // namespace cairn
