@@ -54,6 +54,7 @@ class Process {
   }
 
   [[nodiscard]] bool runs() const { return pid_ > 0; }
+  [[nodiscard]] pid_t id() const { return pid_; }
   void send(int signal_number) const { kill(pid_, signal_number); }
   /// Sends the signal, also to a stopped process, and waits.
   ProcessResult end(int signal_number) {

@@ -1,0 +1,285 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// How fast does the real daemon take transactions over DDS on loopback? Four sources, counted at
+// the clients on receipts. Usage: bench_daemon_speed [--seconds N] [--rate PER_SECOND]; the data
+// folder is made in DAEMON_FOLDER (default: here).
+#include <fcntl.h>
+#include <signal.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <condition_variable>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+#include <deque>
+#include <filesystem>
+#include <fstream>
+#include <map>
+#include <mutex>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "cairn/core/stopwatch.hpp"
+#include "cairn/graph/pose_graph.hpp"
+#include "clients/client/client.hpp"
+#include "tests/support/own_domain.hpp"
+#include "tests/support/process.hpp"
+
+namespace {
+
+namespace fs = std::filesystem;
+using namespace cairn;
+using namespace std::chrono_literals;
+using Clock = std::chrono::steady_clock;
+
+constexpr int kSources = 4;
+
+double percentile_ms(std::vector<double>& seconds, double part) {
+  if (seconds.empty()) return NAN;
+  std::sort(seconds.begin(), seconds.end());
+  return 1e3 * seconds[static_cast<std::size_t>(part * static_cast<double>(seconds.size() - 1))];
+}
+
+double fdatasync_p50_ms(const fs::path& folder) {
+  const std::string block(600, 'x'), name = folder / "fdatasync";
+  const int file = open(name.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600);
+  std::vector<double> seconds;
+  for (int i = 0; i < 500; ++i) {
+    const Stopwatch watch;
+    if (write(file, block.data(), block.size()) < 0 || fdatasync(file) < 0) break;
+    seconds.push_back(watch.seconds());
+  }
+  close(file);
+  return percentile_ms(seconds, 0.5);
+}
+
+// A keyframe every metre, tied to the one before.
+Transaction keyframe(const std::string& robot, std::uint64_t i) {
+  Transaction step;
+  const NodeId pose{{robot, 1}, i};
+  step.variables.push_back({pose, VariableType::kPose2, {static_cast<double>(i), 0.0, 0.0}, 0, {}});
+  if (i == 0) return step;
+  NewFactor odometry;
+  odometry.type = FactorType{1};
+  odometry.kind = FactorKind::kOdometry;
+  odometry.nodes = {{pose.frame, i - 1}, pose};
+  odometry.numbers = {1.0, 0.0, 0.0, 100.0, 0.0, 0.0, 100.0, 0.0, 400.0};
+  step.factors.push_back(odometry);
+  return step;
+}
+
+double resident_mb(pid_t process) {
+  std::ifstream statistics("/proc/" + std::to_string(process) + "/statm");
+  double all = 0, resident = 0;
+  statistics >> all >> resident;
+  return resident * static_cast<double>(sysconf(_SC_PAGESIZE)) / 1e6;
+}
+
+// User and system time, s.
+double cpu_seconds(pid_t process) {
+  std::ifstream statistics("/proc/" + std::to_string(process) + "/stat");
+  std::string word;
+  double ticks = 0;
+  for (int i = 1; i <= 15 && statistics >> word; ++i) {
+    if (i >= 14) ticks += std::strtod(word.c_str(), nullptr);
+  }
+  return ticks / static_cast<double>(sysconf(_SC_CLK_TCK));
+}
+
+struct Load {
+  std::vector<double> latencies_s;
+  std::uint64_t refused = 0;
+};
+
+// Submits at `rate` per second (0: as fast as the window lets it) and times each receipt.
+Load drive(Client& client, const std::string& robot, double rate, double seconds) {
+  Load load;
+  struct Sent {
+    Submission submission;
+    Clock::time_point at;
+  };
+  std::deque<Sent> waiting;
+  std::mutex mutex;
+  std::condition_variable wake;
+  bool done = false;
+  std::thread collector([&] {
+    while (true) {
+      std::unique_lock lock(mutex);
+      wake.wait(lock, [&] { return done || !waiting.empty(); });
+      if (waiting.empty()) return;
+      Sent sent = std::move(waiting.front());
+      waiting.pop_front();
+      lock.unlock();
+      wake.notify_all();
+      const Result<Receipt> receipt = sent.submission.wait(60s);
+      if (!receipt || receipt->refusal) {
+        ++load.refused;
+      } else {
+        load.latencies_s.push_back(std::chrono::duration<double>(Clock::now() - sent.at).count());
+      }
+    }
+  });
+  const auto start = Clock::now();
+  const std::uint64_t first = client.next_sequence() - 1;
+  for (std::uint64_t i = 0;; ++i) {
+    if (rate > 0.0) {
+      std::this_thread::sleep_until(
+          start + std::chrono::duration_cast<Clock::duration>(
+                      std::chrono::duration<double>(static_cast<double>(i) / rate)));
+    }
+    if (std::chrono::duration<double>(Clock::now() - start).count() > seconds) break;
+    const auto at = Clock::now();
+    Result<Submission> taken = client.submit_async(keyframe(robot, first + i));
+    if (!taken) {
+      std::fprintf(stderr, "%s\n", taken.error().to_string().c_str());
+      std::exit(1);
+    }
+    std::unique_lock lock(mutex);
+    waiting.push_back({std::move(*taken), at});
+    wake.notify_all();
+    wake.wait(lock, [&] { return waiting.size() < 1000; });
+  }
+  {
+    const std::lock_guard lock(mutex);
+    done = true;
+  }
+  wake.notify_all();
+  collector.join();
+  return load;
+}
+
+Load drive_all(std::vector<Client>& clients, double rate, double seconds) {
+  std::vector<Load> loads(clients.size());
+  std::vector<std::thread> threads;
+  for (std::size_t k = 0; k < clients.size(); ++k) {
+    threads.emplace_back([&, k] {
+      loads[k] = drive(clients[k], "robot" + std::to_string(k),
+                       rate / static_cast<double>(clients.size()), seconds);
+    });
+  }
+  for (std::thread& thread : threads) thread.join();
+  Load all;
+  for (Load& load : loads) {
+    all.latencies_s.insert(all.latencies_s.end(), load.latencies_s.begin(), load.latencies_s.end());
+    all.refused += load.refused;
+  }
+  return all;
+}
+
+void report(const char* what, Load load, double seconds, pid_t daemon) {
+  std::printf("| %s | %zu | %llu | %.0f | %.2f | %.2f | %.0f | %.0f |\n", what,
+              load.latencies_s.size(), static_cast<unsigned long long>(load.refused),
+              static_cast<double>(load.latencies_s.size()) / seconds,
+              percentile_ms(load.latencies_s, 0.5), percentile_ms(load.latencies_s, 0.99),
+              resident_mb(daemon), resident_mb(getpid()));
+  std::fflush(stdout);
+}
+
+// Until a client that comes now has so many poses, s.
+double late_joiner_seconds(std::uint32_t domain, std::size_t poses) {
+  std::mutex mutex;
+  std::condition_variable wake;
+  std::map<std::pair<OdometryFrame, std::uint32_t>, std::size_t> chunks;
+  std::size_t count = 0;
+  Clock::time_point matched{}, complete{};
+  Result<Client> client = Client::connect({.domain = domain});
+  if (!client) return NAN;
+  client->on_status([&](const Status&) {
+    const std::lock_guard lock(mutex);
+    if (matched == Clock::time_point{}) matched = Clock::now();
+  });
+  client->on_poses([&](const PoseUpdate& update) {
+    const std::lock_guard lock(mutex);
+    if (matched == Clock::time_point{}) matched = Clock::now();
+    for (const PoseChunk& chunk : update.chunks) {
+      std::size_t& known = chunks[{chunk.frame, chunk.chunk}];
+      count += chunk.poses.size() - known;
+      known = chunk.poses.size();
+    }
+    if (count >= poses && complete == Clock::time_point{}) complete = Clock::now();
+    wake.notify_all();
+  });
+  std::unique_lock lock(mutex);
+  if (!wake.wait_for(lock, 30s, [&] { return count >= poses; })) return NAN;
+  return std::chrono::duration<double>(complete - matched).count();
+}
+
+// Of a copy of a map with so many poses.
+double snapshot_us(std::size_t poses) {
+  PoseGraph map;
+  for (std::size_t i = 0; i < poses; ++i) {
+    map.nodes.push_back({{{"robot", 1}, i}, VariableType::kPose2, 0, {0.0, 0.0, 0.0}, {}});
+    map.estimates.push_back({});
+    map.factors.push_back({});
+  }
+  std::vector<double> seconds;
+  for (int i = 0; i < 101; ++i) {
+    const Stopwatch watch;
+    const PoseGraph copy = map;
+    seconds.push_back(watch.seconds());
+    if (copy.nodes.size() != poses) std::abort();
+  }
+  return 1e3 * percentile_ms(seconds, 0.5);
+}
+
+int run(double seconds, double rate) {
+  const char* given = std::getenv("DAEMON_FOLDER");
+  const fs::path folder = fs::path(given ? given : ".") / "daemon-benchmark";
+  fs::remove_all(folder);
+  fs::create_directories(folder);
+  const double sync_ms = fdatasync_p50_ms(folder);
+  const std::uint32_t domain = test::own_domain();
+  test::Process daemon(
+      {CAIRND_BINARY, "--data", (folder / "data").string(), "--domain", std::to_string(domain)});
+  std::vector<Client> clients;
+  for (int k = 0; k < kSources; ++k) {
+    const std::string robot = "robot" + std::to_string(k);
+    Result<Client> client = Client::connect(
+        {.domain = domain, .source = robot, .robot = robot, .spool = folder / ("spool-" + robot)});
+    if (!client) {
+      std::fprintf(stderr, "%s\n", client.error().to_string().c_str());
+      return 1;
+    }
+    if (!client->submit(keyframe(robot, 0), 10s)) return 1;
+    clients.push_back(std::move(*client));
+  }
+  std::printf(
+      "## Daemon speed on loopback, %d sources, one process each side\n\n"
+      "fdatasync of 600 bytes on this disk: p50 %.2f ms\n\n"
+      "| load | receipts | refused | per second | receipt p50, ms | p99, ms | daemon MB | clients "
+      "MB "
+      "|\n|---|---|---|---|---|---|---|---|\n",
+      kSources, sync_ms);
+  report("as fast as it goes", drive_all(clients, 0.0, 10.0), 10.0, daemon.id());
+  const std::string paced = std::to_string(static_cast<int>(rate)) + "/s";
+  report(paced.c_str(), drive_all(clients, rate, seconds), seconds, daemon.id());
+  const Result<std::string> settled = clients[0].command("settle", 600s);
+  std::printf("\nsettle: %s\n", (settled ? *settled : settled.error().to_string()).c_str());
+  const double before = cpu_seconds(daemon.id());
+  std::this_thread::sleep_for(10s);
+  std::printf("idle: %.2f %% of one core\n", 10.0 * (cpu_seconds(daemon.id()) - before));
+  std::printf("late joiner: 10,000 poses %.0f ms after the first message\n",
+              1e3 * late_joiner_seconds(domain, 10'000));
+  for (const std::size_t poses : {10'000, 1'000'000})
+    std::printf("taking a snapshot of %zu poses: %.1f us\n", poses, snapshot_us(poses));
+  const Stopwatch ending;
+  const int exit_code = daemon.end(SIGTERM).exit_code;
+  std::printf("SIGTERM: exit code %d after %.2f s\n", exit_code, ending.seconds());
+  clients.clear();
+  fs::remove_all(folder);
+  return 0;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  double seconds = 60.0, rate = 5000.0;
+  for (int i = 1; i + 1 < argc; i += 2) {
+    if (std::strcmp(argv[i], "--seconds") == 0) seconds = std::strtod(argv[i + 1], nullptr);
+    if (std::strcmp(argv[i], "--rate") == 0) rate = std::strtod(argv[i + 1], nullptr);
+  }
+  return run(seconds, rate);
+}
