@@ -18,6 +18,7 @@
 #include <fstream>
 #include <map>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <thread>
 #include <vector>
@@ -225,6 +226,27 @@ double snapshot_us(std::size_t poses) {
   return 1e3 * percentile_ms(seconds, 0.5);
 }
 
+std::vector<std::string> daemon_command(const fs::path& folder, std::uint32_t domain) {
+  return {CAIRND_BINARY, "--data", (folder / "data").string(), "--domain", std::to_string(domain)};
+}
+
+// How many variables the daemon's first status speaks of; each came by a transaction of its own.
+std::uint64_t variables_when_serving(std::uint32_t domain) {
+  std::mutex mutex;
+  std::condition_variable wake;
+  std::optional<Status> first;
+  Result<Client> client = Client::connect({.domain = domain});
+  if (!client) return 0;
+  client->on_status([&](const Status& status) {
+    const std::lock_guard lock(mutex);
+    if (!first && status.state == DaemonState::kServing) first = status;
+    wake.notify_all();
+  });
+  std::unique_lock lock(mutex);
+  wake.wait_for(lock, 120s, [&] { return first.has_value(); });
+  return first ? first->variables : 0;
+}
+
 int run(double seconds, double rate) {
   const char* given = std::getenv("DAEMON_FOLDER");
   const fs::path folder = fs::path(given ? given : ".") / "daemon-benchmark";
@@ -232,8 +254,7 @@ int run(double seconds, double rate) {
   fs::create_directories(folder);
   const double sync_ms = fdatasync_p50_ms(folder);
   const std::uint32_t domain = test::own_domain();
-  test::Process daemon(
-      {CAIRND_BINARY, "--data", (folder / "data").string(), "--domain", std::to_string(domain)});
+  test::Process daemon(daemon_command(folder, domain));
   std::vector<Client> clients;
   for (int k = 0; k < kSources; ++k) {
     const std::string robot = "robot" + std::to_string(k);
@@ -258,6 +279,7 @@ int run(double seconds, double rate) {
   report(paced.c_str(), drive_all(clients, rate, seconds), seconds, daemon.id());
   const Result<std::string> settled = clients[0].command("settle", 600s);
   std::printf("\nsettle: %s\n", (settled ? *settled : settled.error().to_string()).c_str());
+  std::this_thread::sleep_for(5s);  // it stores a snapshot
   const double before = cpu_seconds(daemon.id());
   std::this_thread::sleep_for(10s);
   std::printf("idle: %.2f %% of one core\n", 10.0 * (cpu_seconds(daemon.id()) - before));
@@ -269,6 +291,16 @@ int run(double seconds, double rate) {
   const int exit_code = daemon.end(SIGTERM).exit_code;
   std::printf("SIGTERM: exit code %d after %.2f s\n", exit_code, ending.seconds());
   clients.clear();
+  for (const bool snapshot : {true, false}) {
+    if (!snapshot) fs::remove_all(folder / "data" / "snapshots");
+    const Stopwatch starting;
+    test::Process again(daemon_command(folder, domain));
+    const std::uint64_t variables = variables_when_serving(domain);
+    std::printf("start with %llu transactions, %s snapshot: serves after %.2f s\n",
+                static_cast<unsigned long long>(variables), snapshot ? "with a" : "without",
+                starting.seconds());
+    again.end(SIGKILL);
+  }
   fs::remove_all(folder);
   return 0;
 }

@@ -85,8 +85,9 @@ class KillTest : public testing::Test {
     } else if (!at_point) {
       std::this_thread::sleep_for(std::chrono::milliseconds(draw(20, 600)));
     }
-    if (at_point && daemon.wait(3s)) {
-      ASSERT_TRUE(fs::exists(told())) << "the daemon ended by itself";
+    const auto dead = at_point ? daemon.wait(3s) : std::nullopt;
+    if (dead) {
+      ASSERT_TRUE(fs::exists(told())) << "the daemon ended by itself: " << dead->err;
       ++deaths_[death];
     } else {
       daemon.end(SIGKILL);
