@@ -88,17 +88,39 @@ Setting choice(std::string section, std::string key, std::string meaning,
           }};
 }
 
+template <class Of>
+Setting text(std::string section, std::string key, std::string meaning, std::size_t longest,
+             Of of) {
+  return {std::move(section),
+          std::move(key),
+          std::move(meaning),
+          "a text of at most " + std::to_string(longest) + " bytes",
+          [longest, of](const std::string& value, DaemonConfig& config) {
+            if (value.size() > longest) return false;
+            of(config) = value;
+            return true;
+          },
+          [of](const DaemonConfig& config) {
+            YAML::Emitter quoted;
+            quoted << YAML::DoubleQuoted << of(config);
+            return std::string(quoted.c_str());
+          }};
+}
+
 const std::vector<Setting>& settings() {
   constexpr std::int64_t kSecond = 1'000'000'000;
   static const std::vector<Setting> all{
       number("network", "domain", "DDS domain; --domain overrides it", {0, 232},
              [](auto& c) -> auto& { return c.domain; }),
-      choice<NetworkProfile>(
-          "network", "profile",
-          "loopback: this machine only; radio: all interfaces, datagrams of 1400 bytes. Where "
-          "CYCLONEDDS_URI is set, that holds",
-          {{"loopback", NetworkProfile::kLoopback}, {"radio", NetworkProfile::kRadio}},
-          [](auto& c) -> auto& { return c.network; }),
+      choice<dds::Profile>("network", "profile",
+                           "local: datagrams of 64 kB; radio: of 1400 bytes, and what is lost is "
+                           "asked for at once. Where CYCLONEDDS_URI is set, that holds",
+                           {{"local", dds::Profile::kLocal}, {"radio", dds::Profile::kRadio}},
+                           [](auto& c) -> auto& { return c.network.profile; }),
+      text("network", "interface",
+           "the network interface, such as eth0; empty: loopback, this machine only (radio: the "
+           "machine's first)",
+           64, [](auto& c) -> auto& { return c.network.interface; }),
       number("solve", "after_pause_ms", "a solve starts when nothing has come for so long",
              {1, 3'600'000}, [](auto& c) -> auto& { return c.service.solve_after_pause; }),
       number(

@@ -5,17 +5,17 @@
 #include <string>
 
 #include "cairn/core/result.hpp"
+#include "idl/dds/entity.hpp"
 #include "server/service.hpp"
 
 namespace cairn {
 
-enum class NetworkProfile { kLoopback, kRadio };
 enum class LogFormat { kText, kJson };
 
 /// What an operator may set; the defaults are those of the product.
 struct DaemonConfig {
   std::uint32_t domain = 0;
-  NetworkProfile network = NetworkProfile::kLoopback;
+  dds::Network network{};
   LogFormat log_format = LogFormat::kText;
   Severity log_from = Severity::kInfo;
   ServiceOptions service{};

@@ -66,10 +66,7 @@ int run_daemon(const std::string& folder, const DaemonConfig& config,
   auto journal = Journal::open(folder, journal_options);
   if (!journal) return fail(journal.error());
   log_opening(folder, **journal);
-  const auto transport = make_dds_transport({.domain = config.domain,
-                                             .network = config.network == NetworkProfile::kRadio
-                                                            ? dds::Network::kRadio
-                                                            : dds::Network::kLoopback});
+  const auto transport = make_dds_transport({.domain = config.domain, .network = config.network});
   ServiceOptions options = config.service;
   options.on_event = [](const Event& event) {
     log(event.severity, event.kind, event.text, event.revision);

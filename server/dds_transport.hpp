@@ -11,7 +11,7 @@ namespace cairn {
 
 struct DdsTransportOptions {
   std::uint32_t domain = 0;
-  dds::Network network = dds::Network::kLoopback;  ///< where CYCLONEDDS_URI is not set
+  dds::Network network{};  ///< where CYCLONEDDS_URI is not set
 };
 
 /// The daemon's side of the wire over Cyclone DDS. Listener calls come from a thread of its own.

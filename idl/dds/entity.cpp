@@ -3,9 +3,15 @@
 
 #include <shipped_configurations.hpp>
 
+#include <algorithm>
+#include <cctype>
 #include <cstdlib>
 #include <map>
 #include <mutex>
+#include <string>
+#include <string_view>
+
+#include "cairn/core/check.hpp"
 
 namespace cairn::dds {
 namespace {
@@ -20,17 +26,53 @@ std::map<std::uint32_t, std::weak_ptr<Entity>>& domains() {
   return all;
 }
 
+void replace(std::string& text, std::string_view part, const std::string& by) {
+  const std::size_t at = text.find(part);
+  CAIRN_CHECK(at != std::string::npos, "a shipped configuration does not look as it did");
+  text.replace(at, part.size(), by);
+}
+
+// The shipped configuration, on the interface that is asked for.
+std::string configuration_of(const Network& network) {
+  const bool radio = network.profile == Profile::kRadio;
+  std::string text = radio ? kRadioConfiguration : kLoopbackConfiguration;
+  if (network.interface.empty()) return text;
+  const std::string interface = "<NetworkInterface name=\"" + network.interface + "\"/>";
+  if (radio) {
+    replace(text, "<General>", "<General><Interfaces>" + interface + "</Interfaces>");
+  } else {
+    replace(text, R"(<NetworkInterface name="lo" multicast="false"/>)", interface);
+    replace(text, "<AllowMulticast>false<", "<AllowMulticast>spdp<");
+    replace(text, R"(<Peers><Peer Address="127.0.0.1"/></Peers>)", "");
+  }
+  return text;
+}
+
+Result<void> check_interface(const std::string& name) {
+  const bool sound = name.size() <= 64 && std::all_of(name.begin(), name.end(), [](char c) {
+                       return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '.' ||
+                              c == ':' || c == '-' || c == '_';
+                     });
+  if (sound) return {};
+  return Error{ErrorCode::kUsage,
+               "'" + name + "' is no name of a network interface; see `ip link`"};
+}
+
 // The shipped configuration for this domain, or null where the environment or somebody else in this
 // process has configured it.
-Result<std::shared_ptr<Entity>> configure(std::uint32_t domain, Network network) {
+Result<std::shared_ptr<Entity>> configure(std::uint32_t domain, const Network& network) {
   if (const char* uri = std::getenv("CYCLONEDDS_URI"); uri != nullptr && *uri != '\0')
     return std::shared_ptr<Entity>();
   std::weak_ptr<Entity>& known = domains()[domain];
   if (auto living = known.lock()) return living;
-  const dds_entity_t handle = dds_create_domain(
-      domain, network == Network::kRadio ? kRadioConfiguration : kLoopbackConfiguration);
+  if (auto sound = check_interface(network.interface); !sound) return sound.error();
+  const dds_entity_t handle = dds_create_domain(domain, configuration_of(network).c_str());
   if (handle == DDS_RETCODE_PRECONDITION_NOT_MET) return std::shared_ptr<Entity>();
-  if (handle < 0) return to_error(handle, "cannot set up DDS domain " + std::to_string(domain));
+  if (handle < 0)
+    return to_error(handle, "cannot set up DDS domain " + std::to_string(domain) +
+                                (network.interface.empty()
+                                     ? ""
+                                     : " (is there an interface " + network.interface + "?)"));
   const std::shared_ptr<Entity> made(new Entity(handle), [](Entity* entity) {
     const std::lock_guard lock(domains_mutex);
     delete entity;
@@ -45,7 +87,7 @@ Error to_error(dds_return_t code, const std::string& what) {
   return {ErrorCode::kUnreachable, what + ": " + dds_strretcode(code) + " (Cyclone DDS)"};
 }
 
-Result<Participant> Participant::open(std::uint32_t domain, Network network) {
+Result<Participant> Participant::open(std::uint32_t domain, const Network& network) {
   if (domain > kLastDomain)
     return Error{ErrorCode::kUsage, "domain is " + std::to_string(domain) + "; expected 0 to " +
                                         std::to_string(kLastDomain)};

@@ -41,8 +41,15 @@ struct QosDeleter {
 };
 using Qos = std::unique_ptr<dds_qos_t, QosDeleter>;
 
-/// Which of the shipped configurations holds unless the environment sets CYCLONEDDS_URI.
-enum class Network { kLoopback, kRadio };
+/// Datagrams of 64 kB for this machine or a wired network, or of 1400 bytes for radio links.
+enum class Profile { kLocal, kRadio };
+
+/// Which shipped configuration holds, and on which network interface, unless the environment sets
+/// CYCLONEDDS_URI.
+struct Network {
+  Profile profile = Profile::kLocal;
+  std::string interface {};  ///< "eth0"; empty: loopback, for radio the machine's first
+};
 
 /// Told, from threads of the middleware, of peers that do not fit and writes that failed.
 using TroubleHandler = std::function<void(Error)>;
@@ -51,7 +58,7 @@ using TroubleHandler = std::function<void(Error)>;
 /// one tears it down.
 class Participant {
  public:
-  static Result<Participant> open(std::uint32_t domain, Network network);
+  static Result<Participant> open(std::uint32_t domain, const Network& network);
   Participant(Participant&&) noexcept = default;
   Participant& operator=(Participant&&) = delete;
 

@@ -12,13 +12,14 @@ using testing::HasSubstr;
 TEST(Config, SetsWhatAFileNamesAndLeavesTheRest) {
   DaemonConfig config;
   ASSERT_TRUE(
-      read_config_text("network: {domain: 7, profile: radio}\n"
+      read_config_text("network: {domain: 7, profile: radio, interface: wlan0}\n"
                        "solve:\n  after_pause_ms: 50\n"
                        "intake:\n  patience_s: 3\n"
                        "log: {format: json, from: warning}\n",
                        "f", config));
   EXPECT_EQ(config.domain, 7U);
-  EXPECT_EQ(config.network, NetworkProfile::kRadio);
+  EXPECT_EQ(config.network.profile, dds::Profile::kRadio);
+  EXPECT_EQ(config.network.interface, "wlan0");
   EXPECT_EQ(config.service.solve_after_pause, std::chrono::milliseconds(50));
   EXPECT_EQ(config.service.limits.patience_ns, 3'000'000'000);
   EXPECT_EQ(config.service.limits.held, SequencerLimits{}.held);
@@ -34,7 +35,7 @@ TEST(Config, IsPrintedAsAFileThatMeansTheSame) {
   const std::string text = dump_config(config);
   EXPECT_THAT(text, HasSubstr("  domain: 9\n"));
   EXPECT_THAT(text, HasSubstr("  held: 77\n"));
-  EXPECT_THAT(text, HasSubstr("  profile: loopback\n"));
+  EXPECT_THAT(text, HasSubstr("  profile: local\n"));
   DaemonConfig again;
   const auto read = read_config_text(text, "f", again);
   ASSERT_TRUE(read) << read.error().to_string();
@@ -46,17 +47,18 @@ TEST(Config, RefusesWhatItDoesNotKnowAndSaysWhere) {
       {"networks: {}",
        "f:1:1: unknown section 'networks'; expected: network, solve, journal, "
        "intake, log"},
-      {"network:\n  domian: 3\n", "f:2:3: unknown key 'network.domian'; expected: domain, profile"},
+      {"network:\n  domian: 3\n",
+       "f:2:3: unknown key 'network.domian'; expected: domain, profile, interface"},
       {"network:\n  domain: 233\n",
        "f:2:11: network.domain is '233'; expected a whole number from 0 to 232"},
       {"network:\n  domain: 1.5\n",
        "f:2:11: network.domain is '1.5'; expected a whole number from 0 to 232"},
       {"network:\n  domain: [1]\n",
        "f:2:11: network.domain is a structure; expected a whole number from 0 to 232"},
-      {"network: {profile: lan}",
-       "f:1:20: network.profile is 'lan'; expected one of loopback, radio"},
+      {"network: {profile: lan}", "f:1:20: network.profile is 'lan'; expected one of local, radio"},
       {"network: {domain: 1, domain: 2}", "f:1:22: network.domain is given twice"},
-      {"network: 3", "f:1:10: the section network has no keys; expected: domain, profile"},
+      {"network: 3",
+       "f:1:10: the section network has no keys; expected: domain, profile, interface"},
       {"- a", "f:1:1: no sections; expected: network, solve, journal, intake, log"},
       {"network: {", "f:1:1: not YAML: end of map flow not found"},
       {"solve: {after_pause_ms: 99999999999999999999}",

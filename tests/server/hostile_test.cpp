@@ -26,7 +26,7 @@ constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 class RawClient {
  public:
   explicit RawClient(std::uint32_t domain)
-      : participant_(*dds::Participant::open(domain, dds::Network::kLoopback)),
+      : participant_(*dds::Participant::open(domain, {})),
         writer_(*dds::Writer<cairn_wire_Transaction>::make(participant_, &trouble_)),
         reader_(*dds::Reader<cairn_wire_Receipt>::make(participant_, &trouble_)) {}
 
