@@ -29,6 +29,13 @@ double difference(const Estimate& a, const Estimate& b) {
 
 }  // namespace
 
+// The limits of the daemon that decided are not known, and none was exceeded.
+Reexecution::Reexecution(const Journal& journal)
+    : journal_(journal),
+      sequencer_({.sources = ~std::size_t{0},
+                  .never_accepted = ~std::size_t{0},
+                  .closed_epochs = ~std::size_t{0}}) {}
+
 Result<Reexecuted> Reexecution::run(const OnRecord& on_record) {
   if (Result<void> found = find_bases(); !found) return found.error();
   HeadHash hash;

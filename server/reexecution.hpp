@@ -32,7 +32,7 @@ class Reexecution {
   /// Called after each record, with the hash of the head.
   using OnRecord = std::function<void(const Record&, const ContentHash& head)>;
 
-  explicit Reexecution(const Journal& journal) : journal_(journal) {}
+  explicit Reexecution(const Journal& journal);
 
   /// kBadInput, with the record, where something comes out otherwise than the journal says.
   /// Without `on_record`, the hash is computed after the last record only.

@@ -3,11 +3,13 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <nlohmann/json.hpp>
 #include <utility>
 
 #include "cairn/history/solve_record.hpp"
 #include "cairn/replay/estimate_snapshot.hpp"
 #include "server/replay_journal.hpp"
+#include "server/status_json.hpp"
 
 namespace cairn {
 namespace {
@@ -25,7 +27,8 @@ Service::Service(Journal& journal, Transport& transport, ServiceOptions options)
       transport_(transport),
       options_(options),
       sequencer_(options.limits),
-      publisher_(transport) {}
+      publisher_(transport),
+      desk_(journal, transport) {}
 
 Service::~Service() { stop(); }
 
@@ -49,6 +52,7 @@ bool Service::stop(std::optional<std::chrono::milliseconds> patience) {
   abandon_solve_ = true;
   wake_.notify_all();
   if (decider_.joinable()) decider_.join();
+  if (!desk_.stop(patience)) return false;
   if (patience) {
     std::unique_lock lock(mutex_);
     if (!wake_.wait_for(lock, *patience, [this] { return !solver_works_; })) return false;
@@ -337,6 +341,8 @@ void Service::take_solution(const Solved& solved) {
     announce(Severity::kError, "solve_failed",
              "the last good estimate stays: " + std::string(to_string(summary.stop_reason)),
              solved.base.graph_revision);
+    for (const Command& command : std::exchange(awaiting_solution_, {}))
+      transport_.reply({command.key, ErrorCode::kNotUsable, unsettled_text(summary)});
     return;
   }
   const auto changed = changed_estimates(head_.graph(), solved.settled);
@@ -364,24 +370,19 @@ bool Service::commit_solution(const Revision& base,
 }
 
 void Service::carry_out(const Command& command) {
-  Reply reply;
-  reply.key = command.key;
-  if (command.text == "settle") {
-    if (needs_solve()) {
-      const bool repeated =
-          std::any_of(awaiting_solution_.begin(), awaiting_solution_.end(),
-                      [&](const Command& waiting) { return waiting.key == command.key; });
-      if (!repeated) awaiting_solution_.push_back(command);
-      return;
-    }
-    char chi2[32];
-    std::snprintf(chi2, sizeof(chi2), "%.9g", chi2_.value_or(0.0));
-    reply.text = "settled at " + to_string(head_.graph().graph_revision) + ", chi2 " + chi2;
-  } else {
-    reply.error = ErrorCode::kUsage;
-    reply.text = "unknown command '" + command.text + "'; known: settle";
+  const std::string verb = command.text.substr(0, command.text.find(' '));
+  if (verb == "status")
+    return transport_.reply({command.key, {}, dump(to_json(make_status(), false), -1)});
+  if (verb != "settle") return desk_.take(command, head_.graph());
+  if (needs_solve()) {
+    const bool repeated =
+        std::any_of(awaiting_solution_.begin(), awaiting_solution_.end(),
+                    [&](const Command& waiting) { return waiting.key == command.key; });
+    if (!repeated) awaiting_solution_.push_back(command);
+    return;
   }
-  transport_.reply(reply);
+  transport_.reply(
+      {command.key, {}, settled_text(head_.graph().graph_revision, chi2_.value_or(0.0))});
 }
 
 }  // namespace cairn

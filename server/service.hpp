@@ -16,6 +16,7 @@
 
 #include "cairn/journal/journal.hpp"
 #include "cairn/replay/settle.hpp"
+#include "server/commands.hpp"
 #include "server/estimate_publisher.hpp"
 #include "server/sequencer.hpp"
 #include "server/transport.hpp"
@@ -137,6 +138,7 @@ class Service final : private TransportListener {
     return sequencer_.highest_decided(spool.first, spool.second);
   }};
   EstimatePublisher publisher_;
+  CommandDesk desk_;
   std::chrono::steady_clock::time_point last_input_{};
   std::vector<Command> awaiting_solution_;
   std::int64_t started_ns_ = 0;

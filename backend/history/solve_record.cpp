@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "cairn/history/solve_record.hpp"
 
+#include <cstdio>
+
 #include "cairn/linear/platform.hpp"
 
 namespace cairn {
@@ -44,6 +46,18 @@ SolveRecord apply_solve(MapHead& head, const Revision& base,
   head.apply_estimates(changed, base, next);
   record.estimates_hash = hash_estimates(head.graph());
   return record;
+}
+
+std::string settled_text(const Revision& revision, double chi2) {
+  char number[32];
+  std::snprintf(number, sizeof number, "%.9g", chi2);
+  return "settled at " + to_string(revision) + ", chi2 " + number;
+}
+
+std::string unsettled_text(const SolveSummary& summary) {
+  return "the map cannot be settled (" + std::string(to_string(summary.stop_reason)) +
+         "), the last good estimate stays; cairn export graph --live writes the map, cairn check "
+         "says what is wrong with it";
 }
 
 }  // namespace cairn

@@ -7,6 +7,7 @@
 
 #include "cairn/journal/record.hpp"
 #include "cairn/replay/map_head.hpp"
+#include "cairn/solver/solve_summary.hpp"
 
 namespace cairn {
 
@@ -29,5 +30,10 @@ ContentHash hash_estimates(const PoseGraph& map);
 SolveRecord apply_solve(MapHead& head, const Revision& base,
                         const std::vector<std::pair<NodeIndex, Estimate>>& changed,
                         const Revision& next);
+
+/// "settled at REVISION, chi2 X": the answer to `settle`.
+std::string settled_text(const Revision& revision, double chi2);
+/// Why a solve changed nothing, and what to do: the answer where it is not usable.
+std::string unsettled_text(const SolveSummary& summary);
 
 }  // namespace cairn

@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "cairn/replay/graph_transactions.hpp"
-
 #include <chrono>
 #include <filesystem>
 #include <memory>
@@ -9,8 +7,9 @@
 #include <vector>
 
 #include "cairn/core/exit_code.hpp"
-#include "cairn/io/graph_file.hpp"
+#include "clients/cli/choices.hpp"
 #include "clients/cli/console.hpp"
+#include "clients/cli/fleet.hpp"
 #include "clients/cli/verb.hpp"
 #include "clients/client/client.hpp"
 
@@ -22,78 +21,116 @@ struct ReplayArguments {
   std::uint32_t domain = 0;
   double rate_hz = 0.0;
   double timeout_s = 30.0;
-  std::string spool;
+  std::string spool, prefix;
   bool settle = false, quiet = false;
 };
 
 constexpr const char* kFooter =
     "A graph file as a live robot: one transaction per pose, in the order of ids, through the same "
     "client that\n"
-    "front-ends use. Several files are several robots, named after their files; the top byte of an "
-    "id is the robot\n"
-    "where files name the same poses.\n"
-    "Exit codes: 0 every transaction is durable, 3 bad input, 4 refused, 5 no daemon answers.";
+    "front-ends use. Several files are several robots at once, named after their files; a vertex "
+    "belongs to the robot\n"
+    "in whose file it stands, and edges to the vertices of other files tie robots together. An "
+    "edge "
+    "that stands in two\n"
+    "files (within 1e-5) is sent once. Nodes are there once: to replay a file again, use another "
+    "--prefix or an empty\n"
+    "data folder.\n"
+    "Exit codes: 0 every transaction is durable, 2 usage, 3 bad input, 4 refused, 5 no daemon "
+    "answers.";
 
-std::string robot_of(const std::string& file) {
-  std::string name = std::filesystem::path(file).filename().string();
-  if (const auto dot = name.find('.'); dot != std::string::npos) name.resize(dot);
-  return name.substr(0, 64);
+Error refusal(const Receipt& receipt, const FleetRobot& robot) {
+  std::string message = "transaction " + std::to_string(receipt.key.sequence) +
+                        " was refused: " + std::string(to_string(*receipt.refusal)) + ": " +
+                        receipt.reason;
+  if (receipt.refusal == RefusalCode::kConflict)
+    message += "; the map has robot '" + robot.name +
+               "' already: replay it as another one with --prefix, or use a daemon with an empty "
+               "data folder";
+  return {ErrorCode::kNotUsable, std::move(message), robot.file};
 }
 
-// One robot's whole file, as far as the daemon takes it.
-Result<std::size_t> send(const std::string& file, const Graph& graph, const ReplayArguments& a,
-                         Client& client) {
-  const std::string robot = robot_of(file);
-  std::vector<Transaction> transactions = graph_transactions(graph, [&](VariableId id) {
-    return NodeId{{robot, 0}, id.value};
-  });
+// Waits for one receipt.
+Result<void> wait(const Submission& submission, const FleetRobot& robot, const ReplayArguments& a) {
   const auto timeout = std::chrono::milliseconds(static_cast<std::int64_t>(1000.0 * a.timeout_s));
+  const Result<Receipt> receipt = submission.wait(timeout);
+  if (!receipt) return receipt.error();
+  if (receipt->refusal) return refusal(*receipt, robot);
+  return {};
+}
+
+// One robot's whole file, as far as the daemon takes it. The first receipt is waited for: where
+// the nodes are there already, nothing more is sent.
+Result<void> send(FleetRobot& robot, const ReplayArguments& a, Client& client) {
   std::vector<Submission> waiting;
   const auto start = std::chrono::steady_clock::now();
-  for (std::size_t i = 0; i < transactions.size(); ++i) {
+  for (std::size_t i = 0; i < robot.transactions.size(); ++i) {
     if (a.rate_hz > 0.0) {
       std::this_thread::sleep_until(
           start + std::chrono::duration_cast<std::chrono::nanoseconds>(
                       std::chrono::duration<double>(static_cast<double>(i) / a.rate_hz)));
     }
-    Result<Submission> taken = client.submit_async(std::move(transactions[i]));
+    Result<Submission> taken = client.submit_async(std::move(robot.transactions[i]));
     if (!taken) return taken.error();
-    waiting.push_back(std::move(*taken));
-  }
-  for (const Submission& submission : waiting) {
-    const Result<Receipt> receipt = submission.wait(timeout);
-    if (!receipt) return receipt.error();
-    if (receipt->refusal) {
-      return Error{ErrorCode::kNotUsable,
-                   "transaction " + std::to_string(receipt->key.sequence) + " was refused: " +
-                       std::string(to_string(*receipt->refusal)) + ": " + receipt->reason,
-                   file};
+    if (i == 0) {
+      if (auto first = wait(*taken, robot, a); !first) return first;
+    } else {
+      waiting.push_back(std::move(*taken));
     }
   }
-  return waiting.size();
+  for (const Submission& submission : waiting) {
+    if (auto durable = wait(submission, robot, a); !durable) return durable;
+  }
+  return {};
+}
+
+Result<Client> connect(const FleetRobot& robot, const ReplayArguments& a) {
+  ClientOptions options;
+  options.domain = a.domain;
+  options.source = "replay-" + robot.name;
+  options.robot = robot.name;
+  if (!a.spool.empty()) options.spool = std::filesystem::path(a.spool) / options.source;
+  Result<Client> client = Client::connect(options);
+  if (client && client->undecided() > 0)
+    Console::warn("warning: " + robot.file + ": " + std::to_string(client->undecided()) +
+                  " transactions of an earlier run are in the spool, and are sent first");
+  return client;
+}
+
+// All robots at once, each through a client of its own.
+Result<void> send_all(Fleet& fleet, const ReplayArguments& a, std::vector<Client>& clients) {
+  for (const FleetRobot& robot : fleet.robots) {
+    Result<Client> client = connect(robot, a);
+    if (!client) return client.error();
+    clients.push_back(std::move(*client));
+  }
+  std::vector<Result<void>> sent(fleet.robots.size());
+  std::vector<std::thread> threads;
+  for (std::size_t i = 0; i < fleet.robots.size(); ++i)
+    threads.emplace_back([&, i] { sent[i] = send(fleet.robots[i], a, clients[i]); });
+  for (std::thread& thread : threads) thread.join();
+  for (const Result<void>& result : sent) {
+    if (!result) return result;
+  }
+  return {};
 }
 
 int run_replay(const ReplayArguments& a) {
   const Console console(false, a.quiet);
-  for (const std::string& file : a.files) {
-    Result<GraphDocument> document = read_graph(file);
-    if (!document) return fail(document.error());
-    for (const std::string& warning : document->warnings) Console::warn("warning: " + warning);
-    ClientOptions options;
-    options.domain = a.domain;
-    options.source = "replay-" + robot_of(file);
-    options.robot = robot_of(file);
-    if (!a.spool.empty()) options.spool = std::filesystem::path(a.spool) / options.source;
-    Result<Client> client = Client::connect(options);
-    if (!client) return fail(client.error());
-    const Result<std::size_t> sent = send(file, document->graph, a, *client);
-    if (!sent) return fail(sent.error());
-    console.say(file + ": " + std::to_string(*sent) + " transactions are durable");
-    if (!a.settle) continue;
-    const Result<std::string> settled = client->command("settle", std::chrono::minutes(10));
-    if (!settled) return fail(settled.error());
-    console.say(*settled);
-  }
+  Result<Fleet> fleet = read_fleet(a.files, a.prefix);
+  if (!fleet) return fail(fleet.error());
+  for (const std::string& warning : fleet->warnings) Console::warn("warning: " + warning);
+  std::vector<std::size_t> counts;
+  for (const FleetRobot& robot : fleet->robots) counts.push_back(robot.transactions.size());
+  std::vector<Client> clients;
+  if (auto sent = send_all(*fleet, a, clients); !sent) return fail(sent.error());
+  for (std::size_t i = 0; i < counts.size(); ++i)
+    console.say(fleet->robots[i].file + ": " + std::to_string(counts[i]) +
+                " transactions are durable");
+  if (!a.settle) return kDone;
+  const Result<std::string> settled = clients.front().command("settle", std::chrono::minutes(10));
+  if (!settled) return fail(settled.error());
+  console.say(*settled);
   return kDone;
 }
 
@@ -104,13 +141,16 @@ Run add_replay(CLI::App& parent, CLI::App*& verb) {
   verb = parent.add_subcommand("replay", "Send graph files to a daemon, as live robots would");
   verb->footer(kFooter);
   verb->add_option("FILE", a->files, "graph files, one per robot")->required()->default_str("");
-  verb->add_option("--domain", a->domain, "DDS domain of the daemon")->check(CLI::Range(0, 232));
+  verb->add_option("--domain", a->domain, "DDS domain of the daemon")->check(in_range(0, 230));
   verb->add_option("--rate", a->rate_hz, "poses per second; 0: as fast as it goes")
-      ->check(CLI::NonNegativeNumber)
+      ->check(CLI::NonNegativeNumber.description(""))
       ->type_name("HZ");
   verb->add_option("--timeout", a->timeout_s, "how long to wait for the daemon")->type_name("S");
   verb->add_option("--spool", a->spool, "folder of the spools; else $XDG_STATE_HOME/cairn/spool")
       ->type_name("DIR");
+  verb->add_option("--prefix", a->prefix, "put this before the robots' names")
+      ->type_name("TEXT")
+      ->default_str("");
   verb->add_flag("--settle", a->settle, "settle afterwards, and print the result");
   verb->add_flag("-q,--quiet", a->quiet, "say nothing but warnings and errors");
   return [a] { return run_replay(*a); };

@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "cairn/history/apply_record.hpp"
+
+namespace cairn {
+
+/// What is asked of a daemon or of its folder: a verb and its options. Travels as "VERB {JSON}".
+struct Question {
+  std::string verb;
+  nlohmann::ordered_json options = nlohmann::ordered_json::object();
+
+  /// kUsage where the text is none.
+  static Result<Question> parse(const std::string& text);
+  [[nodiscard]] std::string to_string() const { return verb + ' ' + options.dump(); }
+
+  /// An error names options that are not `known`.
+  [[nodiscard]] Result<void> check_options(std::initializer_list<const char*> known) const;
+  [[nodiscard]] std::uint64_t number(const char* option, std::uint64_t otherwise) const;
+  [[nodiscard]] std::string text(const char* option) const;  ///< empty where it is absent
+  [[nodiscard]] bool flag(const char* option) const;
+};
+
+/// Whom a question is about. All must outlive the answer.
+struct Asked {
+  const Journal& journal;
+  std::function<Result<PoseGraph>()> map;  ///< at the head, or a little before
+  KeepGoing keep_going{};
+};
+
+/// Answers log, show, diff and export, for people or, with the option json, for programs. kUsage
+/// where the question makes no sense.
+Result<std::string> answer(const Question& question, const Asked& asked);
+
+Result<std::string> answer_log(const Question& question, const Asked& asked);
+Result<std::string> answer_show(const Question& question, const Asked& asked);
+Result<std::string> answer_diff(const Question& question, const Asked& asked);
+
+/// JSON on several lines, whatever bytes its texts hold.
+std::string dump(const nlohmann::ordered_json& json, int indent = 2);
+
+}  // namespace cairn

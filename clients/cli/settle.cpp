@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "cairn/replay/settle.hpp"
+
+#include <memory>
+#include <string>
+
+#include "cairn/core/exit_code.hpp"
+#include "cairn/history/solve_record.hpp"
+#include "clients/cli/console.hpp"
+#include "clients/cli/target.hpp"
+#include "clients/cli/verb.hpp"
+#include "server/replay_journal.hpp"
+
+namespace cairn::cli {
+namespace {
+
+struct SettleArguments {
+  Target target;
+  bool quiet = false;
+};
+
+constexpr const char* kFooter =
+    "Solves the map in full: the result depends on what is in it and not on the order in which it "
+    "came. With\n"
+    "--data, the solve is appended to the journal, as a daemon would; where the newest record is "
+    "such a solve,\n"
+    "nothing is appended.\n"
+    "Exit codes: 0 done, 2 usage, 3 damaged, 4 the map cannot be solved, 5 no daemon answers.";
+
+Result<std::string> settle_folder(const std::string& folder) {
+  // A look first: opening for writing would mend what is damaged, and that is cairnd's to do.
+  if (const auto looked = open_for_reading(folder); !looked) return looked.error();
+  const auto journal = Journal::open(folder);
+  if (!journal) return journal.error();
+  MapHead head;
+  Sequencer sequencer;
+  if (const auto replayed = replay_journal(**journal, head, sequencer); !replayed)
+    return replayed.error();
+  const PoseGraph map = head.graph();
+  if (map.factors.size() == 0) return settled_text(map.graph_revision, 0.0);
+  const SettledEstimate settled = settle(map);
+  if (!settled.summary.usable())
+    return Error{ErrorCode::kNotUsable, unsettled_text(settled.summary), folder};
+  const auto changed = changed_estimates(map, settled);
+  if (!changed.empty() || map.solved_revision.number + 1 < map.graph_revision.number) {
+    Revision next = (*journal)->head().revision;
+    ++next.number;
+    const RecordBody record = apply_solve(head, map.graph_revision, changed, next);
+    if (const auto appended = (*journal)->append({&record, 1}); !appended) return appended.error();
+  }
+  return settled_text((*journal)->head().revision, settled.summary.final_chi2);
+}
+
+Result<std::string> settle_daemon(const Target& target) {
+  Result<Connection> connection = connect(target);
+  if (!connection) return connection.error();
+  return connection->client.command("settle", std::chrono::minutes(10));
+}
+
+}  // namespace
+
+Run add_settle(CLI::App& parent, CLI::App*& verb) {
+  auto a = std::make_shared<SettleArguments>();
+  verb = parent.add_subcommand("settle", "Solve a daemon's map in full, and keep the result");
+  verb->footer(kFooter);
+  add_target(*verb, a->target);
+  verb->add_flag("-q,--quiet", a->quiet, "say nothing but warnings and errors");
+  return [a]() -> int {
+    const Result<std::string> settled =
+        a->target.is_folder() ? settle_folder(a->target.folder) : settle_daemon(a->target);
+    if (!settled) return fail(settled.error());
+    Console(false, a->quiet).say(*settled);
+    return kDone;
+  };
+}
+
+}  // namespace cairn::cli

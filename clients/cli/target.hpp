@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <cstdint>
+#include <memory>
+#include <string>
+
+#include "cairn/history/question.hpp"
+#include "clients/client/client.hpp"
+
+namespace cairn::cli {
+
+/// Whom a verb asks: the daemon that serves a domain or, where a folder is named, its data folder.
+struct Target {
+  std::uint32_t domain = 0;
+  std::string folder;
+  double timeout_s = 5.0;  ///< for a daemon to appear
+
+  [[nodiscard]] bool is_folder() const { return !folder.empty(); }
+};
+
+/// Adds --domain, --data and --timeout.
+void add_target(CLI::App& verb, Target& target);
+/// Adds --domain and --timeout.
+void add_daemon(CLI::App& verb, Target& target);
+
+/// A client that watches and commands, and the daemon's first word. kUnreachable where none
+/// answers, with what to do.
+struct Connection {
+  Client client;
+  Status status;
+};
+Result<Connection> connect(const Target& target);
+
+/// The journal of a folder, for reading.
+Result<std::unique_ptr<Journal>> open_for_reading(const std::string& folder);
+
+/// The answer of the daemon or of the folder: the same text.
+Result<std::string> ask(const Target& target, const Question& question);
+/// Prints it, and gives the exit code.
+int ask_and_print(const Target& target, const Question& question);
+
+}  // namespace cairn::cli

@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "server/status_json.hpp"
+
+#include <nlohmann/json.hpp>
+
+#include "cairn/history/record_json.hpp"
+
+namespace cairn {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr const char* kStates[] = {"starting", "serving", "refilling", "stopping"};
+
+Json or_null(bool known, Json value) { return known ? std::move(value) : Json(); }
+
+Json to_json(const SourceStatus& source, bool is_folder) {
+  Json json{{"source", source.source}, {"epoch", source.epoch}};
+  json["alive"] = or_null(!is_folder, source.alive);
+  json["highest_decided"] = source.highest_decided;
+  json["accepted"] = source.accepted;
+  json["refused"] = source.refused;
+  json["held"] = or_null(!is_folder, source.held);
+  json["clock_offset_ns"] = or_null(!is_folder && source.alive, source.clock_offset_ns);
+  json["last_refusal"] = source.last_refusal;
+  return json;
+}
+
+}  // namespace
+
+nlohmann::ordered_json to_json(const Status& status, bool is_folder) {
+  Json json{{"schema_version", 1}};
+  json["daemon"] = or_null(!is_folder, {{"version", status.version},
+                                        {"host", status.host},
+                                        {"state", kStates[static_cast<int>(status.state)]},
+                                        {"started", to_utc(status.started_ns)}});
+  json["head"] = to_string(status.head);
+  json["estimate_revision"] = status.estimate.graph.number;
+  json["solved_revision"] = status.estimate.solved.number;
+  json["chi2"] = or_null(!is_folder && status.estimate.solved.number > 0, status.chi2);
+  json["variables"] = status.variables;
+  json["factors"] = status.factors;
+  json["memory_bytes"] = or_null(!is_folder, status.memory_bytes);
+  json["disk_free_bytes"] = status.disk_free_bytes;
+  json["message"] = status.message;
+  json["sources"] = Json::array();
+  for (const SourceStatus& source : status.sources)
+    json["sources"].push_back(to_json(source, is_folder));
+  return json;
+}
+
+}  // namespace cairn

@@ -1,0 +1,261 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The verbs that ask a running daemon: the real programs over real DDS.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+#include "clients/client/client.hpp"
+#include "tests/support/datasets.hpp"
+#include "tests/support/process.hpp"
+
+namespace {
+
+using namespace cairn::test;
+using nlohmann::json;
+using testing::HasSubstr;
+
+std::string own_domain() { return std::to_string(1 + getpid() % 97); }
+
+// A daemon of its own for each test, and what is asked of it.
+class DaemonVerbs : public testing::Test {
+ protected:
+  void start() {
+    daemon_ = std::make_unique<Process>(
+        std::vector<std::string>{CAIRND_BINARY, "--data", data(), "--domain", own_domain()});
+  }
+  int stop() {
+    daemon_->send(SIGTERM);
+    const int code = daemon_->wait().exit_code;
+    daemon_.reset();
+    return code;
+  }
+  [[nodiscard]] std::string data() const { return folder_.file("data"); }
+  [[nodiscard]] std::string file(const std::string& name) const { return folder_.file(name); }
+  [[nodiscard]] static ProcessResult ask(std::vector<std::string> words) {
+    words.insert(words.end(), {"--domain", own_domain(), "--timeout", "20"});
+    return run_cairn(words);
+  }
+  [[nodiscard]] ProcessResult ask_folder(std::vector<std::string> words) const {
+    words.insert(words.end(), {"--data", data()});
+    return run_cairn(words);
+  }
+  [[nodiscard]] ProcessResult replay(std::vector<std::string> words) const {
+    words.insert(words.begin(), "replay");
+    words.insert(words.end(), {"--spool", folder_.file("spool"), "--settle"});
+    return ask(words);
+  }
+
+  TemporaryFolder folder_;
+  std::unique_ptr<Process> daemon_;
+};
+
+double chi2_in(const std::string& settled) {
+  const auto at = settled.find("chi2 ");
+  return at == std::string::npos ? NAN : std::stod(settled.substr(at + 5));
+}
+
+TEST_F(DaemonVerbs, AnswersOfDaemonAndFolderAreTheSame) {
+  ASSERT_EQ(run_cairn({"simulate", "grid", "--poses", "120", "-o", file("grid.g2o")}).exit_code, 0);
+  start();
+  const auto sent = replay({file("grid.g2o")});
+  ASSERT_EQ(sent.exit_code, 0) << sent.err;
+  EXPECT_THAT(sent.out, HasSubstr("120 transactions are durable"));
+
+  const auto status = ask({"status", "--json"});
+  ASSERT_EQ(status.exit_code, 0) << status.err;
+  const auto facts = json::parse(status.out);
+  EXPECT_EQ(facts["variables"], 120);
+  EXPECT_EQ(facts["sources"][0]["source"], "replay-grid");
+  EXPECT_EQ(facts["sources"][0]["accepted"], 120);
+  EXPECT_GT(facts["memory_bytes"], 1'000'000);
+  EXPECT_NEAR(facts["chi2"], chi2_in(sent.out), 1e-6 * chi2_in(sent.out));
+  EXPECT_THAT(ask({"status"}).out, HasSubstr("replay-grid"));
+
+  const std::vector<std::vector<std::string>> questions{{"log", "--limit", "0"},
+                                                        {"log", "--kind", "solve", "--json"},
+                                                        {"show", "120"},
+                                                        {"diff", "10", "120", "--json"},
+                                                        {"diff", "100", "121"},
+                                                        {"export", "graph", "-"},
+                                                        {"show", "99999"},
+                                                        {"export", "trajectory", "-", "--live"},
+                                                        {"settle"}};
+  std::vector<ProcessResult> answers;
+  for (const auto& question : questions) answers.push_back(ask(question));
+  ASSERT_EQ(ask({"backup", file("backups")}).exit_code, 0);
+  ASSERT_EQ(stop(), 0);
+  for (std::size_t i = 0; i < questions.size(); ++i) {
+    const auto told = ask_folder(questions[i]);
+    EXPECT_EQ(answers[i].exit_code, told.exit_code) << questions[i][0] << answers[i].err;
+    EXPECT_EQ(answers[i].out, told.out) << questions[i][0];
+    EXPECT_EQ(answers[i].err, told.err) << questions[i][0];
+  }
+  EXPECT_EQ(ask_folder({"verify"}).exit_code, 0);
+  ASSERT_EQ(run_cairn({"restore", file("backups"), "--data", file("again")}).exit_code, 0);
+  EXPECT_EQ(run_cairn({"export", "graph", "-", "--data", file("again")}).out,
+            ask_folder({"export", "graph", "-"}).out);
+}
+
+TEST_F(DaemonVerbs, SayWhatToDoWhereNoDaemonAnswers) {
+  for (const std::vector<std::string>& verb :
+       std::vector<std::vector<std::string>>{{"status"},
+                                             {"log"},
+                                             {"settle"},
+                                             {"export", "graph", file("o.g2o")},
+                                             {"backup", file("b")}}) {
+    auto words = verb;
+    words.insert(words.end(), {"--domain", own_domain(), "--timeout", "0.2"});
+    const auto asked = run_cairn(words);
+    EXPECT_EQ(asked.exit_code, 5) << verb[0];
+    EXPECT_THAT(asked.err, HasSubstr("no daemon answers in domain " + own_domain()));
+    EXPECT_THAT(asked.err, HasSubstr("start one (cairnd --data DIR --domain"));
+  }
+  EXPECT_EQ(folder_.file_count(), 0u);
+}
+
+TEST_F(DaemonVerbs, RefuseAFolderThatADaemonServes) {
+  ASSERT_EQ(run_cairn({"simulate", "grid", "--poses", "10", "-o", file("grid.g2o")}).exit_code, 0);
+  start();
+  ASSERT_EQ(replay({file("grid.g2o")}).exit_code, 0);
+  for (const char* verb : {"status", "log", "settle", "verify"}) {
+    const auto asked = ask_folder({verb});
+    EXPECT_EQ(asked.exit_code, 2) << verb;
+    EXPECT_THAT(asked.err, HasSubstr("in use by process"));
+  }
+}
+
+TEST_F(DaemonVerbs, ReplayingTwiceSaysWhatToDo) {
+  ASSERT_EQ(run_cairn({"simulate", "grid", "--poses", "10", "-o", file("grid.g2o")}).exit_code, 0);
+  start();
+  ASSERT_EQ(replay({file("grid.g2o")}).exit_code, 0);
+  const auto twice = replay({file("grid.g2o")});
+  EXPECT_EQ(twice.exit_code, 4);
+  EXPECT_THAT(twice.err, HasSubstr("the map has robot 'grid' already: replay it as another one "
+                                   "with --prefix, or use a daemon with an empty data folder"));
+  const auto other = replay({file("grid.g2o"), "--prefix", "second-"});
+  EXPECT_EQ(other.exit_code, 0) << other.err;
+  EXPECT_EQ(json::parse(ask({"status", "--json"}).out)["variables"], 20);
+}
+
+// Poses and landmarks as a watching program receives them.
+struct Received {
+  explicit Received(const std::string& domain) {
+    auto client = cairn::Client::connect({.domain = static_cast<std::uint32_t>(std::stoi(domain))});
+    if (!client) return;
+    std::map<std::pair<cairn::OdometryFrame, std::uint32_t>, cairn::PoseChunk> chunks;
+    std::map<std::pair<cairn::OdometryFrame, std::uint32_t>, cairn::LandmarkChunk> seen;
+    std::mutex mutex;
+    std::condition_variable arrived;
+    client->on_poses([&](const cairn::PoseUpdate& update) {
+      const std::lock_guard lock(mutex);
+      for (const auto& chunk : update.chunks) chunks[{chunk.frame, chunk.chunk}] = chunk;
+      revisions = update.revisions;
+      arrived.notify_all();
+    });
+    client->on_landmarks([&](const auto&, const std::vector<cairn::LandmarkChunk>& update) {
+      const std::lock_guard lock(mutex);
+      for (const auto& chunk : update) seen[{chunk.frame, chunk.chunk}] = chunk;
+    });
+    std::unique_lock lock(mutex);
+    arrived.wait_for(lock, std::chrono::seconds(20), [&] {
+      return revisions && revisions->solved.number + 1 >= revisions->graph.number;
+    });
+    lock.unlock();
+    client->on_poses({});
+    client->on_landmarks({});
+    for (const auto& [key, chunk] : chunks) {
+      maps.insert(chunk.map);
+      for (const auto& pose : chunk.poses) poses[{key.first.robot, pose.index}] = pose.T_map_body;
+    }
+    for (const auto& [key, chunk] : seen) {
+      for (const auto& landmark : chunk.landmarks)
+        landmarks[{key.first.robot, landmark.index}] = landmark.p_map;
+    }
+  }
+  std::optional<cairn::EstimateRevisions> revisions;
+  std::set<std::string> maps;
+  std::map<std::pair<std::string, std::uint64_t>, cairn::PoseNumbers> poses;
+  std::map<std::pair<std::string, std::uint64_t>, std::array<double, 3>> landmarks;
+};
+
+// What a robot's file became: settled to the batch optimum, and published so.
+struct ReplayCase {
+  std::string name;
+  std::vector<std::string> files;
+};
+
+void PrintTo(const ReplayCase& replayed, std::ostream* out) { *out << replayed.name; }
+
+class Replay : public DaemonVerbs, public testing::WithParamInterface<ReplayCase> {};
+
+TEST_P(Replay, SettlesToTheBatchOptimumAndPublishesIt) {
+  std::vector<std::string> files;
+  for (const std::string& name : GetParam().files) {
+    CAIRN_REQUIRE_DATASET(path, "graphs/" + name);
+    files.push_back(path);
+  }
+  start();
+  const auto sent = replay(files);
+  ASSERT_EQ(sent.exit_code, 0) << sent.err;
+
+  auto optimize = files;
+  optimize.insert(optimize.begin(), "optimize");
+  optimize.insert(optimize.end(), {"--json", file("report.json"), "--quiet"});
+  ASSERT_EQ(run_cairn(optimize).exit_code, 0);
+  const auto report = json::parse(read_file(file("report.json")));
+  const double optimum = report["final_chi2"];
+  EXPECT_NEAR(chi2_in(sent.out), optimum, 1e-6 * std::max(1.0, optimum));
+
+  const auto status = json::parse(ask({"status", "--json"}).out);
+  EXPECT_EQ(status["variables"], report["vertices"]);
+  EXPECT_EQ(status["factors"], report["edges"]);
+
+  // Received over DDS = settled, pose by pose.
+  const Received received(own_domain());
+  EXPECT_EQ(received.maps.size(), 1u) << "every robot is tied to the others";
+  EXPECT_EQ(received.poses.size() + received.landmarks.size(), report["vertices"]);
+  ASSERT_EQ(ask({"export", "trajectory", file("t.tum")}).exit_code, 0);
+  std::size_t compared = 0;
+  std::set<std::string> robots;
+  for (const auto& [key, pose] : received.poses) robots.insert(key.first);
+  for (const std::string& robot : robots) {
+    std::istringstream lines(read_file(file(robots.size() > 1 ? "t-" + robot + ".tum" : "t.tum")));
+    std::uint64_t index = 0;
+    for (double x = 0.0, y = 0.0; lines >> index >> x >> y; ++compared) {
+      lines.ignore(1000, '\n');
+      const auto found = received.poses.find({robot, index});
+      ASSERT_NE(found, received.poses.end()) << robot << ' ' << index;
+      EXPECT_EQ(found->second[0], x);
+      EXPECT_EQ(found->second[1], y);
+    }
+  }
+  EXPECT_EQ(compared, received.poses.size());
+  ASSERT_EQ(stop(), 0);
+  EXPECT_EQ(ask_folder({"verify"}).exit_code, 0);
+}
+
+std::vector<ReplayCase> replay_cases() {
+  const auto four = [](const std::string& folder) {
+    std::vector<std::string> files;
+    for (int i = 0; i < 4; ++i)
+      files.push_back("multirobot/" + folder + '/' + std::to_string(i) + ".g2o");
+    return files;
+  };
+  return {{"manhattan", {"pose2/manhattan.g2o"}},
+          {"intel", {"pose2/intel.g2o"}},
+          {"sphere2500", {"pose3/sphere2500.g2o"}},
+          {"parking_garage", {"pose3/parking-garage.g2o"}},
+          {"csail_edges_only", {"pose2/CSAIL.g2o"}},
+          {"victoria_park", {"landmarks/victoriaPark.txt"}},
+          {"dlr", {"landmarks/dlr/"}},
+          {"argos_clean_4robots", four("argos_clean_4robots")},
+          {"blocks_4robots", four("blocks_4robots")}};
+}
+
+INSTANTIATE_TEST_SUITE_P(Public, Replay, testing::ValuesIn(replay_cases()),
+                         [](const auto& test) { return test.param.name; });
+
+}  // namespace
