@@ -105,4 +105,14 @@ Result<Participant> Participant::open(std::uint32_t domain, const Network& netwo
   return Participant(std::move(configured), Entity(handle));
 }
 
+Result<void> cut_link(std::uint32_t domain, std::chrono::milliseconds time) {
+  const Entity participant(dds_create_participant(domain, nullptr, nullptr));
+  const auto code =
+      participant.handle() < 0
+          ? participant.handle()
+          : dds_domain_set_deafmute(participant.handle(), true, true, DDS_MSECS(time.count()));
+  if (code < 0) return to_error(code, "cannot cut the link of domain " + std::to_string(domain));
+  return {};
+}
+
 }  // namespace cairn::dds

@@ -3,6 +3,7 @@
 
 #include <dds/dds.h>
 
+#include <chrono>
 #include <functional>
 #include <memory>
 #include <string>
@@ -71,5 +72,9 @@ class Participant {
   std::shared_ptr<Entity> domain_;  // null where another library of the process made the domain
   Entity entity_;
 };
+
+/// Nothing this process sends in the domain leaves it, and nothing reaches it, for so long: a link
+/// outage, for tests and demonstrations. Returns at once. The process is in the domain already.
+Result<void> cut_link(std::uint32_t domain, std::chrono::milliseconds time);
 
 }  // namespace cairn::dds

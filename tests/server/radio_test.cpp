@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The daemon as a process and a client here, in datagrams of 1400 bytes over a link that loses one
 // datagram in ten in each direction, and everything for ten seconds.
-#include <dds/dds.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -90,9 +89,7 @@ TEST(Radio, LosesNothingAtTenPercentLossAndThroughAnOutage) {
     ASSERT_EQ(with_loss.size(), kBefore - 1);
 
     // Nothing gets through, in either direction.
-    const dds_entity_t participant = dds_create_participant(domain, nullptr, nullptr);
-    ASSERT_GT(participant, 0);
-    ASSERT_EQ(dds_domain_set_deafmute(participant, true, true, DDS_SECS(10)), DDS_RETCODE_OK);
+    ASSERT_TRUE(dds::cut_link(domain, 10s));
     const auto outage = Clock::now();
     std::vector<Sent> cut_off;
     for (std::uint64_t step = kBefore; step < kBefore + kDuring; ++step) {
@@ -106,7 +103,6 @@ TEST(Radio, LosesNothingAtTenPercentLossAndThroughAnOutage) {
     for (std::uint64_t step = kBefore + kDuring; step < kBefore + kDuring + kAfter; ++step)
       late.push_back(send(*client, step));
     ASSERT_EQ(await(late).size(), kAfter);
-    dds_delete(participant);
     std::cout << "receipts at 10 % loss: p50 " << with_loss[with_loss.size() / 2] << " ms, p99 "
               << with_loss[with_loss.size() * 99 / 100] << " ms; all that was submitted in the "
               << "outage is durable " << back << " s after it\n";
