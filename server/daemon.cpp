@@ -24,23 +24,6 @@ sigset_t block_ending_signals() {
   return ending;
 }
 
-void log_opening(const std::string& folder, const Journal& journal) {
-  const OpenReport& report = journal.open_report();
-  log(Severity::kInfo, "opened", (report.created ? "made " : "") + folder, journal.head().revision);
-  if (report.cut_tail) {
-    log(Severity::kWarning, "cut_tail",
-        "cut off a write that never finished; nothing acknowledged is lost: " + *report.cut_tail);
-  }
-  if (report.damage) {
-    const OpenReport::Damage& damage = *report.damage;
-    log(Severity::kError, "damage",
-        damage.what + "; records up to " + std::to_string(damage.kept) +
-            " are served, what was found is kept in " + damage.set_aside +
-            ", clients send the rest again",
-        journal.head().revision);
-  }
-}
-
 // Zero when a signal came, else what ended the service by itself.
 int wait_for_end(const sigset_t& ending, const Service& service) {
   while (true) {
@@ -65,7 +48,8 @@ int run_daemon(const std::string& folder, const DaemonConfig& config,
   open_log(config.log_format, config.log_from);
   auto journal = Journal::open(folder, journal_options);
   if (!journal) return fail(journal.error());
-  log_opening(folder, **journal);
+  log(Severity::kInfo, "opened", ((*journal)->open_report().created ? "made " : "") + folder,
+      (*journal)->head().revision);
   const auto transport = make_dds_transport({.domain = config.domain, .network = config.network});
   ServiceOptions options = config.service;
   options.on_event = [](const Event& event) {

@@ -37,10 +37,28 @@ Result<void> Service::start() {
   if (auto replayed = rebuild(); !replayed) return replayed;
   if (auto started = transport_.start(*this); !started) return started;
   last_input_ = std::chrono::steady_clock::now();
+  announce_opening();
   publish_state();
   publisher_.publish(head_.graph());
   decider_ = std::thread([this] { run(); });
   return {};
+}
+
+void Service::announce_opening() {
+  const OpenReport& report = journal_.open_report();
+  const Revision& head = head_.graph().graph_revision;
+  if (report.cut_tail) {
+    announce(
+        Severity::kWarning, "cut_tail",
+        "cut off a write that never finished; nothing acknowledged is lost: " + *report.cut_tail,
+        head);
+  }
+  if (!report.damage) return;
+  const OpenReport::Damage& damage = *report.damage;
+  damage_ = damage.what + "; records up to " + std::to_string(damage.kept) +
+            " are served, clients send the rest again" +
+            (damage.set_aside.empty() ? "" : ", what was found is kept in " + damage.set_aside);
+  announce(Severity::kError, "damage", damage_, head);
 }
 
 bool Service::stop(std::optional<std::chrono::milliseconds> patience) {

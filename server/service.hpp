@@ -102,6 +102,7 @@ class Service final : private TransportListener {
   void post(Message message);
   void post(Arrival arrival, const Sender& sender);
   void run();
+  void announce_opening();
   void watch_disk();
   void handle(std::deque<Message> messages);
   void take(Arrived arrived, Revision next, Sequencer::Outcome& outcome);
@@ -142,6 +143,7 @@ class Service final : private TransportListener {
   std::chrono::steady_clock::time_point last_input_{};
   std::vector<Command> awaiting_solution_;
   std::int64_t started_ns_ = 0;
+  std::string damage_;  ///< that was found at the start
   DiskSpace disk_ = DiskSpace::kPlenty;
   std::chrono::steady_clock::time_point disk_watched_{};
   std::optional<double> chi2_;               ///< of the last solve, where this process knows it

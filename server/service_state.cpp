@@ -111,7 +111,9 @@ Status Service::make_status() const {
   status.chi2 = chi2_.value_or(0.0);
   status.memory_bytes = resident_bytes();
   status.disk_free_bytes = journal_.free_bytes();
-  if (disk_ != DiskSpace::kPlenty) status.message = "the disk is nearly full";
+  if (!damage_.empty()) status.message = "the store was damaged: " + damage_;
+  if (disk_ != DiskSpace::kPlenty)
+    status.message += (status.message.empty() ? "" : "; ") + std::string("the disk is nearly full");
   std::map<std::string, SourceStatus> sources;
   for (const auto& [name, counters] : sequencer_.counters())
     sources[name] = status_of(name, counters);
