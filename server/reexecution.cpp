@@ -6,6 +6,7 @@
 
 #include "cairn/history/apply_record.hpp"
 #include "cairn/replay/estimate.hpp"
+#include "cairn/replay/estimate_snapshot.hpp"
 #include "cairn/replay/settle.hpp"
 
 namespace cairn {
@@ -38,10 +39,12 @@ Reexecution::Reexecution(const Journal& journal)
 
 Result<Reexecuted> Reexecution::run(const OnRecord& on_record) {
   if (Result<void> found = find_bases(); !found) return found.error();
+  snapshot_ = journal_.newest_snapshot();
   HeadHash hash;
   const Result<void> walked = journal_.for_each(1, [&](const Record& record) -> Result<void> {
     if (Result<void> executed = execute(record); !executed) return executed;
     ++result_.records;
+    if (Result<void> alike = check_snapshot(record.number); !alike) return alike;
     const PoseGraph& map = head_.graph();
     if (uses_of_base_.contains(record.number)) bases_.emplace(record.number, map);
     if (!on_record) return {};
@@ -130,6 +133,25 @@ Result<void> Reexecution::execute(const SolveRecord& record, const Record& whole
       hash_estimates(head_.graph()) == record.estimates_hash)
     return {};
   return differs(whole.number, "the estimates after this solve do not have the hash it records");
+}
+
+// A start takes the stored estimates in place of all records before.
+Result<void> Reexecution::check_snapshot(std::uint64_t number) {
+  if (!snapshot_ || snapshot_->number != number) return {};
+  const Result<EstimateSnapshot> stored = decode_snapshot(snapshot_->bytes);
+  if (!stored) return {};  // of an older format, which a start does not read either
+  const PoseGraph& map = head_.graph();
+  double largest = stored->estimates.size() == map.nodes.size() ? 0.0 : 1.0;
+  for (NodeIndex i = 0; i < map.nodes.size() && largest < 1.0; ++i)
+    largest = std::max(largest, difference(stored->estimates[i], map.estimates[i]));
+  if (largest > kTolerance) {
+    return differs(
+        number,
+        "the estimates stored after it (snapshots/) are not those that the records give; "
+        "move the folder snapshots away, a start does without");
+  }
+  result_.snapshot = number;
+  return {};
 }
 
 Result<void> Reexecution::solve_again(const SolveRecord& record, std::uint64_t number) {

@@ -18,10 +18,11 @@ namespace cairn {
 struct Reexecuted {
   std::uint64_t records = 0;
   std::uint64_t accepted = 0, refused = 0, commands = 0, verdicts = 0;
-  std::uint64_t solves = 0;                     ///< solved again with the same result, bit for bit
-  std::uint64_t solves_compared = 0;            ///< made elsewhere, and the same to 1e-9
-  std::uint64_t solves_skipped = 0;             ///< by a method that this version does not know
-  double largest_difference = 0.0;              ///< relative, among solves_compared
+  std::uint64_t solves = 0;                 ///< solved again with the same result, bit for bit
+  std::uint64_t solves_compared = 0;        ///< made elsewhere, and the same to 1e-9
+  std::uint64_t solves_skipped = 0;         ///< by a method that this version does not know
+  double largest_difference = 0.0;          ///< relative, among solves_compared
+  std::optional<std::uint64_t> snapshot{};  ///< the record after which estimates are stored, alike
   std::optional<std::string> other_settings{};  ///< of the first of those
   ContentHash head_hash{};                      ///< HeadHash after the last record
 };
@@ -45,6 +46,7 @@ class Reexecution {
   Result<void> decide_again(const Transaction& transaction, const TransactionRecord& record,
                             const Revision& revision);
   Result<void> execute(const SolveRecord& record, const Record& whole);
+  Result<void> check_snapshot(std::uint64_t number);
   Result<void> solve_again(const SolveRecord& record, std::uint64_t number);
 
   const Journal& journal_;
@@ -52,6 +54,7 @@ class Reexecution {
   Sequencer sequencer_;
   std::map<std::uint64_t, std::uint64_t> uses_of_base_;  ///< by record: solves of it to come
   std::map<std::uint64_t, PoseGraph> bases_;
+  std::optional<Journal::Snapshot> snapshot_;  ///< what a start would begin with
   Reexecuted result_;
 };
 

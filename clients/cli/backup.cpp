@@ -30,11 +30,9 @@ Result<std::string> absolute(const std::string& path) {
 }
 
 Result<std::string> back_up_folder(const std::string& data, const std::string& folder) {
-  // A look first: opening for writing would mend what is damaged, and that is cairnd's to do.
-  if (const auto looked = open_for_reading(data); !looked) return looked.error();
+  if (const auto sound = check_sound(data); !sound) return sound.error();
   const auto journal = Journal::open(data);
   if (!journal) return journal.error();
-  if (const auto sound = (*journal)->verify(); !sound) return sound.error();
   if (const auto made = (*journal)->backup(folder); !made) return made.error();
   return "backed up revision " + to_string((*journal)->head().revision) + " to " + folder;
 }

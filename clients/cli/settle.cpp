@@ -28,8 +28,7 @@ constexpr const char* kFooter =
     "Exit codes: 0 done, 2 usage, 3 damaged, 4 the map cannot be solved, 5 no daemon answers.";
 
 Result<std::string> settle_folder(const std::string& folder) {
-  // A look first: opening for writing would mend what is damaged, and that is cairnd's to do.
-  if (const auto looked = open_for_reading(folder); !looked) return looked.error();
+  if (const auto sound = check_sound(folder); !sound) return sound.error();
   const auto journal = Journal::open(folder);
   if (!journal) return journal.error();
   MapHead head;

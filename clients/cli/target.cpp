@@ -84,6 +84,12 @@ Result<std::unique_ptr<Journal>> open_for_reading(const std::string& folder) {
   return Journal::open(folder, options);
 }
 
+Result<void> check_sound(const std::string& folder) {
+  const auto journal = open_for_reading(folder);
+  if (!journal) return journal.error();
+  return (*journal)->verify();
+}
+
 Result<std::string> ask(const Target& target, const Question& question) {
   if (target.is_folder()) return ask_folder(target.folder, question);
   Result<Connection> connection = connect(target);

@@ -36,6 +36,10 @@ Result<Connection> connect(const Target& target);
 /// The journal of a folder, for reading.
 Result<std::unique_ptr<Journal>> open_for_reading(const std::string& folder);
 
+/// Reads all of a folder's journal. Verbs that write to a folder ask first: opening a damaged one
+/// for writing would mend it, and that is the daemon's to do.
+Result<void> check_sound(const std::string& folder);
+
 /// The answer of the daemon or of the folder: the same text.
 Result<std::string> ask(const Target& target, const Question& question);
 /// Prints it, and gives the exit code.

@@ -108,6 +108,9 @@ void say_text(const Verified& v, const VerifyArguments& a, const Console& consol
                   " solves were made by methods that this version does not have; only their "
                   "hashes were checked");
   }
+  if (e.snapshot)
+    console.say("the estimates stored after record " + std::to_string(*e.snapshot) +
+                " are those that the records give");
   if (v.hash_at) console.say("head at " + std::to_string(*a.at) + ": " + to_string(*v.hash_at));
   console.say("head: " + to_string(e.head_hash));
 }
@@ -129,6 +132,7 @@ std::string json_text(const Verified& v, const VerifyArguments& a) {
                     {"not_bit_comparable", e.solves_compared},
                     {"largest_difference", e.largest_difference},
                     {"unknown_method", e.solves_skipped}};
+  json["snapshot"] = e.snapshot ? nlohmann::ordered_json(*e.snapshot) : nullptr;
   json["settings"] = SolveSettings::here().to_string();
   if (v.hash_at) json["head_hash_at"] = {{"number", *a.at}, {"hash", to_string(*v.hash_at)}};
   json["head_hash"] = to_string(e.head_hash);

@@ -5,6 +5,7 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
+#include "cairn/replay/estimate_snapshot.hpp"
 #include "tests/cli/data_folder.hpp"
 #include "tests/support/process.hpp"
 
@@ -136,6 +137,25 @@ TEST_F(Verify, FindsADecisionThatCannotBeMade) {
                 record.content_hash = content_hash(encode(transaction));
               }),
               HasSubstr("executed again it is not decided"));
+}
+
+TEST_F(Verify, ComparesTheStoredEstimatesWithTheRecords) {
+  const auto store = [&](double off) {
+    std::filesystem::remove_all(data());
+    DataFolderMaker(data()).submit_all(drive(20));
+    MapHead head;
+    Sequencer sequencer;
+    const auto journal = *Journal::open(data());
+    ASSERT_TRUE(replay_journal(*journal, head, sequencer));
+    PoseGraph map = head.graph();
+    map.estimates.edit(3)[0] += off;
+    ASSERT_TRUE(journal->write_snapshot(20, encode_snapshot(map, 0.0)));
+  };
+  store(0.0);
+  EXPECT_THAT(run().out, HasSubstr("the estimates stored after record 20 are those"));
+  store(1e-6);
+  EXPECT_EQ(run().exit_code, 3);
+  EXPECT_THAT(run().err, HasSubstr("record 20: the estimates stored after it"));
 }
 
 TEST_F(Verify, LeavesADamagedFolderAsItIs) {
