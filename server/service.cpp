@@ -304,7 +304,9 @@ bool Service::needs_solve() const {
 void Service::solve_when_idle() {
   const bool idle = std::chrono::steady_clock::now() - last_input_ >= options_.solve_after_pause;
   if (solver_works_ || solving_) return;
-  if (needs_solve() && (idle || !awaiting_solution_.empty()))
+  // What could not be solved is tried again when something has changed, or when somebody asks.
+  const bool hopeless = unsolvable_ == head_.graph().graph_revision;
+  if (needs_solve() && ((idle && !hopeless) || !awaiting_solution_.empty()))
     start_solve();
   else if (idle)
     write_snapshot_when_due();
@@ -356,6 +358,7 @@ void Service::take_solution(const Solved& solved) {
   const SolveSummary& summary = solved.settled.summary;
   if (!summary.usable()) {
     if (summary.stop_reason == StopReason::kInterrupted) return;
+    unsolvable_ = solved.base.graph_revision;
     announce(Severity::kError, "solve_failed",
              "the last good estimate stays: " + std::string(to_string(summary.stop_reason)),
              solved.base.graph_revision);

@@ -147,6 +147,7 @@ class Service final : private TransportListener {
   DiskSpace disk_ = DiskSpace::kPlenty;
   std::chrono::steady_clock::time_point disk_watched_{};
   std::optional<double> chi2_;               ///< of the last solve, where this process knows it
+  std::optional<Revision> unsolvable_;       ///< the map of which the last solve failed
   std::uint64_t snapshot_at_ = 0;            ///< the record that the newest snapshot is after
   std::set<Writers::Spool> changed_spools_;  ///< their state is to be published
   bool state_changed_ = true;
