@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <chrono>
+#include <cstdio>
 #include <filesystem>
 #include <memory>
 #include <string>
 #include <thread>
+#include <utility>
 #include <vector>
 
 #include "cairn/core/exit_code.hpp"
@@ -22,6 +24,7 @@ struct ReplayArguments {
   double rate_hz = 0.0;
   double timeout_s = 30.0;
   std::string spool, prefix;
+  std::pair<double, double> outage_s{0.0, 0.0};  // from, for
   bool settle = false, quiet = false;
 };
 
@@ -39,6 +42,10 @@ constexpr const char* kFooter =
     "Exit codes: 0 every transaction is durable, 2 usage, 3 bad input, 4 refused, 5 no daemon "
     "answers.";
 
+std::chrono::milliseconds milliseconds(double seconds) {
+  return std::chrono::milliseconds(static_cast<std::int64_t>(1000.0 * seconds));
+}
+
 Error refusal(const Receipt& receipt, const FleetRobot& robot) {
   std::string message = "transaction " + std::to_string(receipt.key.sequence) +
                         " was refused: " + std::string(to_string(*receipt.refusal)) + ": " +
@@ -52,8 +59,7 @@ Error refusal(const Receipt& receipt, const FleetRobot& robot) {
 
 // Waits for one receipt.
 Result<void> wait(const Submission& submission, const FleetRobot& robot, const ReplayArguments& a) {
-  const auto timeout = std::chrono::milliseconds(static_cast<std::int64_t>(1000.0 * a.timeout_s));
-  const Result<Receipt> receipt = submission.wait(timeout);
+  const Result<Receipt> receipt = submission.wait(milliseconds(a.timeout_s));
   if (!receipt) return receipt.error();
   if (receipt->refusal) return refusal(*receipt, robot);
   return {};
@@ -97,8 +103,23 @@ Result<Client> connect(const FleetRobot& robot, const ReplayArguments& a) {
   return client;
 }
 
+// Cuts the link for a while, as asked for.
+void suffer_outage(const ReplayArguments& a, const Console& console) {
+  const auto [from, length] = a.outage_s;
+  if (!(length > 0.0)) return;
+  std::this_thread::sleep_for(milliseconds(from));
+  if (auto cut = dds::cut_link(a.domain, milliseconds(length)); !cut)
+    return Console::warn("warning: " + cut.error().to_string());
+  char text[64];
+  std::snprintf(text, sizeof text, "the link is down for %g s", length);
+  console.say(text);
+  std::this_thread::sleep_for(milliseconds(length));
+  console.say("the link is up again");
+}
+
 // All robots at once, each through a client of its own.
-Result<void> send_all(Fleet& fleet, const ReplayArguments& a, std::vector<Client>& clients) {
+Result<void> send_all(Fleet& fleet, const ReplayArguments& a, const Console& console,
+                      std::vector<Client>& clients) {
   for (const FleetRobot& robot : fleet.robots) {
     Result<Client> client = connect(robot, a);
     if (!client) return client.error();
@@ -108,6 +129,7 @@ Result<void> send_all(Fleet& fleet, const ReplayArguments& a, std::vector<Client
   std::vector<std::thread> threads;
   for (std::size_t i = 0; i < fleet.robots.size(); ++i)
     threads.emplace_back([&, i] { sent[i] = send(fleet.robots[i], a, clients[i]); });
+  suffer_outage(a, console);
   for (std::thread& thread : threads) thread.join();
   for (const Result<void>& result : sent) {
     if (!result) return result;
@@ -123,7 +145,7 @@ int run_replay(const ReplayArguments& a) {
   std::vector<std::size_t> counts;
   for (const FleetRobot& robot : fleet->robots) counts.push_back(robot.transactions.size());
   std::vector<Client> clients;
-  if (auto sent = send_all(*fleet, a, clients); !sent) return fail(sent.error());
+  if (auto sent = send_all(*fleet, a, console, clients); !sent) return fail(sent.error());
   for (std::size_t i = 0; i < counts.size(); ++i)
     console.say(fleet->robots[i].file + ": " + std::to_string(counts[i]) +
                 " transactions are durable");
@@ -150,6 +172,11 @@ Run add_replay(CLI::App& parent, CLI::App*& verb) {
       ->type_name("DIR");
   verb->add_option("--prefix", a->prefix, "put this before the robots' names")
       ->type_name("TEXT")
+      ->default_str("");
+  verb->add_option("--outage", a->outage_s,
+                   "cut the link after so many seconds, for so many: to see that nothing is lost")
+      ->type_name("FROM FOR")
+      ->check(CLI::NonNegativeNumber.description(""))
       ->default_str("");
   verb->add_flag("--settle", a->settle, "settle afterwards, and print the result");
   verb->add_flag("-q,--quiet", a->quiet, "say nothing but warnings and errors");
