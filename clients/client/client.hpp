@@ -24,7 +24,7 @@ struct ClientOptions {
   /// Empty: $XDG_STATE_HOME/cairn/spool/SOURCE, or ~/.local/state instead.
   std::filesystem::path spool{};
   std::uint64_t spool_most_bytes = 1ull << 30;
-  dds::Network network{};  ///< where CYCLONEDDS_URI is not set
+  dds::Network network{};                      ///< where CYCLONEDDS_URI is not set
   std::chrono::milliseconds retry_first{20};   ///< after a retryable refusal, doubled each time ...
   std::chrono::milliseconds retry_most{5000};  ///< ... up to this
 };

@@ -188,7 +188,7 @@ void Client::Engine::send_next(Lock& lock) {
     auto transaction = record ? decode_transaction(*record) : Result<Transaction>(record.error());
     if (!transaction) daemon_.reset();  // nothing can be sent in order any more
     const auto sent = transaction ? link_->send(*transaction) : Result<void>(transaction.error());
-    if (transaction) outgoing_.sent(std::move(*transaction));
+    if (transaction) outgoing_.sent(std::move(*transaction), Outgoing::Clock::now());
     if (sent) continue;
     outgoing_.postpone(*sequence, Outgoing::Clock::now());
     lock.unlock();

@@ -20,14 +20,25 @@ std::optional<std::uint64_t> Outgoing::next(std::uint64_t last_spooled) const {
   return next_to_send_;
 }
 
-void Outgoing::sent(Transaction transaction) {
+void Outgoing::hear(Clock::time_point now) {
+  heard_ = now;
+  patience_ = kFirstPatience;
+}
+
+void Outgoing::sent(Transaction transaction, Clock::time_point now) {
+  if (in_flight_.empty()) hear(now);
   in_flight_[next_to_send_++] = {.transaction = std::move(transaction)};
 }
 
 std::vector<const Transaction*> Outgoing::due(Clock::time_point now) {
   std::vector<const Transaction*> transactions;
+  const bool silence = !in_flight_.empty() && now >= silent_until();
+  if (silence) {
+    heard_ = now;
+    patience_ = std::min(2 * patience_, kLastPatience);
+  }
   for (auto& [sequence, flight] : in_flight_) {
-    if (!flight.retry_at || *flight.retry_at > now) continue;
+    if (flight.retry_at ? *flight.retry_at > now : !silence) continue;
     flight.retry_at.reset();
     transactions.push_back(&flight.transaction);
   }
@@ -36,6 +47,7 @@ std::vector<const Transaction*> Outgoing::due(Clock::time_point now) {
 
 std::optional<Outgoing::Clock::time_point> Outgoing::next_retry() const {
   std::optional<Clock::time_point> earliest;
+  if (!in_flight_.empty()) earliest = silent_until();
   for (const auto& [sequence, flight] : in_flight_)
     if (flight.retry_at && (!earliest || *flight.retry_at < *earliest)) earliest = flight.retry_at;
   return earliest;
@@ -49,6 +61,7 @@ void Outgoing::postpone(std::uint64_t sequence, Clock::time_point now) {
 }
 
 bool Outgoing::receive(const Receipt& receipt, Clock::time_point now) {
+  hear(now);
   // While another program lives under our name nothing is decided: offered again, until it ends.
   if (receipt.refusal &&
       (is_retryable(*receipt.refusal) || *receipt.refusal == RefusalCode::kForeignSource)) {

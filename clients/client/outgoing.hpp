@@ -16,6 +16,7 @@ namespace cairn {
 class Outgoing {
  public:
   using Clock = std::chrono::steady_clock;
+  static constexpr std::chrono::milliseconds kFirstPatience{1000}, kLastPatience{10'000};
   struct Backoff {
     std::chrono::milliseconds first, most;
   };
@@ -31,8 +32,10 @@ class Outgoing {
   /// The next one to send, if a slot is free and the spool has it.
   [[nodiscard]] std::optional<std::uint64_t> next(std::uint64_t last_spooled) const;
   /// next() was sent.
-  void sent(Transaction transaction);
-  /// Those whose time to be tried again has come.
+  void sent(Transaction transaction, Clock::time_point now);
+  /// Those whose time to be tried again has come. All in flight where nothing was heard for a
+  /// second, later for two, four, up to ten: what the middleware loses between two daemons is sent
+  /// again.
   [[nodiscard]] std::vector<const Transaction*> due(Clock::time_point now);
   [[nodiscard]] std::optional<Clock::time_point> next_retry() const;
 
@@ -42,6 +45,9 @@ class Outgoing {
   bool receive(const Receipt& receipt, Clock::time_point now);
 
  private:
+  [[nodiscard]] Clock::time_point silent_until() const { return heard_ + patience_; }
+  void hear(Clock::time_point now);
+
   struct InFlight {
     Transaction transaction;
     int attempts = 0;
@@ -52,6 +58,8 @@ class Outgoing {
   std::uint64_t next_to_send_;
   std::uint64_t decided_;
   Backoff backoff_;
+  Clock::time_point heard_{};  ///< last receipt, or since something is in flight
+  std::chrono::milliseconds patience_ = kFirstPatience;
 };
 
 }  // namespace cairn

@@ -24,7 +24,8 @@ struct Lap {
 Lap laps(double pose_unit, double edge_unit, double noise_size = 0.01) {
   constexpr int kPerLap = 24, kPoses = 72;
   std::mt19937 random(7);
-  std::normal_distribution<double> noise(0.0, noise_size);
+  std::normal_distribution<double> unit;
+  const auto noise = [&](std::mt19937& engine) { return noise_size * unit(engine); };
   std::vector<Se2> truth{Se2()};
   for (int i = 1; i < kPoses; ++i)
     truth.push_back(truth.back() * Se2(1.0, 0.0, i % 6 == 0 ? std::numbers::pi / 2 : 0.0));

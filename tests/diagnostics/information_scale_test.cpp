@@ -24,7 +24,8 @@ Graph noisy_ring(double sigma, unsigned seed) {
                                 Se2(10 * std::cos(angle), 10 * std::sin(angle), angle)));
   }
   std::mt19937 random(seed);
-  std::normal_distribution<double> noise(0.0, sigma);
+  std::normal_distribution<double> unit;
+  const auto noise = [&](std::mt19937& engine) { return sigma * unit(engine); };
   for (int step = 1; step <= 2; ++step) {
     for (int i = 0; i < kPoses; ++i) {
       const int j = (i + step) % kPoses;
