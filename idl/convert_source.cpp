@@ -24,6 +24,7 @@ cairn_wire_Source_state to_wire(const SourceState& state, Arena&) {
   wire.highest_decided = state.highest_decided;
   wire.revision = to_wire(state.revision);
   std::copy(state.chain.begin(), state.chain.end(), wire.chain);
+  wire.daemon_ns = state.daemon_ns;
   return wire;
 }
 
@@ -34,7 +35,8 @@ Result<SourceState> from_wire(const cairn_wire_Source_state& wire) {
                                    .epoch = wire.epoch,
                                    .highest_decided = wire.highest_decided,
                                    .revision = from_wire(wire.revision),
-                                   .chain = read_hash(wire.chain)});
+                                   .chain = read_hash(wire.chain),
+                                   .daemon_ns = wire.daemon_ns});
 }
 
 cairn_wire_Client_state to_wire(const ClientState& state, std::uint64_t writer, Arena&) {
@@ -48,6 +50,7 @@ cairn_wire_Client_state to_wire(const ClientState& state, std::uint64_t writer, 
   wire.receipted = to_wire(state.receipted);
   wire.oldest_kept = state.oldest_kept;
   wire.sent_ns = state.sent_ns;
+  wire.daemon_ns = state.daemon_ns;
   return wire;
 }
 
@@ -60,7 +63,8 @@ Result<ClientState> from_wire(const cairn_wire_Client_state& wire) {
                                    .highest_decided = wire.highest_decided,
                                    .receipted = from_wire(wire.receipted),
                                    .oldest_kept = wire.oldest_kept,
-                                   .sent_ns = wire.sent_ns});
+                                   .sent_ns = wire.sent_ns,
+                                   .daemon_ns = wire.daemon_ns});
 }
 
 cairn_wire_Payload to_wire(const Payload& payload, std::uint64_t writer, Arena&) {

@@ -33,6 +33,7 @@ struct SourceState {
   std::uint64_t highest_decided = 0;  ///< every sequence up to this one is decided; 0: none
   Revision revision{};                ///< the head when this was said
   ContentHash chain{};                ///< the journal's chained hash at `revision`
+  std::int64_t daemon_ns = 0;         ///< which run of the daemon says this: its start
 
   friend bool operator==(const SourceState&, const SourceState&) = default;
 };
@@ -46,6 +47,7 @@ struct ClientState {
   Revision receipted{};               ///< of that receipt; above the daemon's head means damage
   std::uint64_t oldest_kept = 0;      ///< first sequence the spool can still resend
   std::int64_t sent_ns = 0;           ///< the client's clock, for the clock offset
+  std::int64_t daemon_ns = 0;         ///< the run of the daemon that it was said to; 0: to any
 
   friend bool operator==(const ClientState&, const ClientState&) = default;
 };

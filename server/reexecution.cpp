@@ -89,10 +89,7 @@ Result<void> Reexecution::execute(const TransactionRecord& record, const Revisio
   // What was refused is not kept, only why: its number must be free.
   ++result_.refused;
   const auto& refused = std::get<RefusedTransaction>(record.outcome);
-  const auto counters = sequencer_.counters();
-  const auto source = counters.find(refused.key.source);
-  if (source != counters.end() && source->second.epoch == refused.key.epoch &&
-      refused.key.sequence <= source->second.highest_decided) {
+  if (refused.key.sequence <= sequencer_.highest_decided(refused.key.source, refused.key.epoch)) {
     return differs(revision.number, "sequence " + std::to_string(refused.key.sequence) + " of " +
                                         refused.key.source + " was decided before");
   }
@@ -104,7 +101,10 @@ Result<void> Reexecution::execute(const TransactionRecord& record, const Revisio
 Result<void> Reexecution::decide_again(const Transaction& transaction,
                                        const TransactionRecord& record, const Revision& revision) {
   Sequencer::Outcome outcome;
-  sequencer_.take(make_arrival(transaction), record.arrival_ns, head_, revision, outcome);
+  const Sequencer::Turn turn{record.arrival_ns, head_, revision, outcome};
+  const TransactionKey& key = transaction.key;
+  sequencer_.skip_to(key.source, key.epoch, key.sequence, turn);  // a gap that nobody could fill
+  sequencer_.take(make_arrival(transaction), turn);
   const std::string name =
       "transaction " + transaction.key.source + '/' + std::to_string(transaction.key.sequence);
   if (outcome.decisions.size() != 1) {

@@ -95,29 +95,36 @@ std::optional<Refusal> Sequencer::refuse_at_once(const Source& source, const Arr
   return std::nullopt;
 }
 
-void Sequencer::take(Arrival arrival, std::int64_t now_ns, MapHead& head, Revision next,
-                     Outcome& outcome) {
+void Sequencer::take(Arrival arrival, Turn turn) {
   static const Source kStranger;
-  Turn turn{now_ns, head, next, outcome};
   const TransactionKey key = arrival.transaction.key;
   const auto known = sources_.find(key.source);
   const Source& source = known == sources_.end() ? kStranger : known->second;
   WaitingRoom& room = room_of(key.source);
   if (const Receipt* receipt = first_receipt(source, arrival)) {
-    outcome.answers.push_back(*receipt);
+    turn.outcome.answers.push_back(*receipt);
     return;
   }
   if (const auto refusal = refuse_at_once(source, arrival, room))
     return answer(key, refusal->code, refusal->reason, turn);
   if (room.find(key.source, {key.epoch, key.sequence}) != nullptr) return;  // waits already
-  if (key.sequence == 1) openers_[key.source] = key.epoch;
-  room.add(std::move(arrival), now_ns);
+  if (key.sequence == 1) openers_[key.source] = {key.epoch, 1};
+  room.add(std::move(arrival), turn.now_ns);
   advance(key.source, turn);
   for (const Arrival& leaving : room_of(key.source).remove_excess(key.source)) {
     answer(leaving.transaction.key, RefusalCode::kOverBudget,
            "too many transactions wait for earlier ones or for other sources", turn);
-    if (leaving.transaction.key.sequence == 1) openers_.erase(leaving.transaction.key.source);
   }
+}
+
+void Sequencer::skip_to(const std::string& source, std::uint64_t epoch, std::uint64_t first,
+                        Turn turn) {
+  const auto known = sources_.find(source);
+  if (known == sources_.end() || known->second.epoch != epoch)
+    openers_[source] = {epoch, first};
+  else if (known->second.highest_decided + 1 < first)
+    known->second.highest_decided = first - 1;
+  advance(source, turn);
 }
 
 // Decides what is next of this source, and then, as it may have brought what others wait for, of
@@ -132,7 +139,7 @@ void Sequencer::advance(const std::string& name, Turn& turn) {
   }
 }
 
-// The current epoch goes first; another one begins with its sequence 1.
+// The current epoch goes first; another one begins with its sequence 1, or what is left of it.
 std::optional<WaitingRoom::Place> Sequencer::next_of(const std::string& name) {
   WaitingRoom& room = room_of(name);
   if (const auto source = sources_.find(name); source != sources_.end()) {
@@ -141,9 +148,7 @@ std::optional<WaitingRoom::Place> Sequencer::next_of(const std::string& name) {
   }
   const auto opener = openers_.find(name);
   if (opener == openers_.end()) return std::nullopt;
-  const WaitingRoom::Place first{opener->second, 1};
-  if (room.find(name, first) != nullptr) return first;
-  openers_.erase(opener);
+  if (room.find(name, opener->second) != nullptr) return opener->second;
   return std::nullopt;
 }
 
@@ -224,11 +229,10 @@ void Sequencer::decide(const std::string& name, Arrival arrival, std::optional<R
   room_.adopt(name, std::move(line));
 }
 
-void Sequencer::expire(std::int64_t now_ns, MapHead& head, Revision next, Outcome& outcome) {
-  Turn turn{now_ns, head, next, outcome};
+void Sequencer::expire(Turn turn) {
   for (const std::string& name : std::set<std::string>(awaiting_)) {
     const auto place = next_of(name);
-    if (!place || now_ns - room_of(name).find(name, *place)->since_ns >= limits_.patience_ns)
+    if (!place || turn.now_ns - room_of(name).find(name, *place)->since_ns >= limits_.patience_ns)
       advance(name, turn);
   }
 }

@@ -63,12 +63,21 @@ class Sequencer {
     std::vector<Decision> decisions;  ///< in the order of their records
     std::vector<Receipt> answers;     ///< need no record: repetitions, and what may be tried again
   };
+  /// One call: its time, what it decides on, and where its decisions go. The n-th decision in
+  /// `outcome` is applied with the revision `next` + n.
+  struct Turn {
+    std::int64_t now_ns;
+    MapHead& head;
+    Revision next;
+    Outcome& outcome;
+  };
   /// Takes one transaction and decides what can be decided by it: nothing (held), or it and what
-  /// waited for it. `revision_of` the n-th decision from now on is known to the caller: decisions
-  /// are applied with `next`, `next` + 1, ...
-  void take(Arrival arrival, std::int64_t now_ns, MapHead& head, Revision next, Outcome& outcome);
+  /// waited for it.
+  void take(Arrival arrival, Turn turn);
+  /// The source's spool has nothing before `first` any more: what is missing will never come.
+  void skip_to(const std::string& source, std::uint64_t epoch, std::uint64_t first, Turn turn);
   /// Refuses what waited too long.
-  void expire(std::int64_t now_ns, MapHead& head, Revision next, Outcome& outcome);
+  void expire(Turn turn);
   /// Everything that waits leaves with this answer.
   std::vector<Receipt> turn_away(RefusalCode code, const std::string& reason, const Revision& head);
 
@@ -98,14 +107,6 @@ class Sequencer {
     std::map<RefusalCode, std::uint64_t> refused;
     std::string last_refusal;
   };
-  /// Where the decisions of one call go.
-  struct Turn {
-    std::int64_t now_ns;
-    MapHead& head;
-    Revision next;
-    Outcome& outcome;
-  };
-
   [[nodiscard]] std::optional<Refusal> refuse_at_once(const Source& source, const Arrival& arrival,
                                                       WaitingRoom& room) const;
   [[nodiscard]] const Receipt* first_receipt(const Source& source, const Arrival& arrival) const;
@@ -125,8 +126,8 @@ class Sequencer {
   SequencerLimits limits_;
   std::map<std::string, Source> sources_;  ///< the known ones: the journal bounds them
   WaitingRoom room_, strangers_;
-  std::map<std::string, std::uint64_t> openers_;  ///< epochs whose first transaction waits
-  std::set<std::string> awaiting_;                ///< sources whose turn waits for a node
+  std::map<std::string, WaitingRoom::Place> openers_;  ///< with which another epoch would begin
+  std::set<std::string> awaiting_;                     ///< sources whose turn waits for a node
 };
 
 }  // namespace cairn

@@ -38,6 +38,7 @@ Result<void> Service::start() {
   if (auto started = transport_.start(*this); !started) return started;
   last_input_ = std::chrono::steady_clock::now();
   announce_opening();
+  if (journal_.open_report().damage) refill_.begin(Refill::Clock::now());
   publish_state();
   publisher_.publish(head_.graph());
   decider_ = std::thread([this] { run(); });
@@ -199,6 +200,7 @@ void Service::run() {
     }
     watch_disk();
     if (!messages.empty()) handle(std::move(messages));
+    end_refill();
     publish_state();
     solve_when_idle();
   }
@@ -207,28 +209,24 @@ void Service::run() {
 // Everything that came while the disk was busy shares one sync.
 void Service::handle(std::deque<Message> messages) {
   Sequencer::Outcome outcome;
-  Revision next = journal_.head().revision;
-  ++next.number;
   std::vector<std::unique_ptr<Solved>> solutions;
   std::vector<Command> commands;
   std::vector<ClientState> clients;
   for (Message& message : messages) {
     if (auto* arrived = std::get_if<Arrived>(&message)) {
-      take(std::move(*arrived), next, outcome);
+      take(std::move(*arrived), outcome);
     } else if (auto* command = std::get_if<Command>(&message)) {
       commands.push_back(std::move(*command));
     } else if (auto* seen = std::get_if<Seen>(&message)) {
-      writers_.arrive(seen->client, seen->sender);
+      meet(*seen, outcome);
       clients.push_back(std::move(seen->client));
     } else if (auto* lost = std::get_if<Lost>(&message)) {
-      if (const auto stranger = writers_.lose(lost->source, lost->writer))
-        let_strangers_go({*stranger});
-      state_changed_ = true;
+      part(*lost);
     } else {
       solutions.push_back(std::move(std::get<std::unique_ptr<Solved>>(message)));
     }
   }
-  sequencer_.expire(wall_clock_ns(), head_, next, outcome);
+  sequencer_.expire(turn(wall_clock_ns(), outcome));
   commit(std::move(outcome));
   for (const ClientState& client : clients) greet(client);
   let_strangers_go(writers_.remove_excess_strangers());
@@ -236,9 +234,16 @@ void Service::handle(std::deque<Message> messages) {
   for (const Command& command : commands) carry_out(command);
 }
 
-void Service::take(Arrived arrived, Revision next, Sequencer::Outcome& outcome) {
+Sequencer::Turn Service::turn(std::int64_t now_ns, Sequencer::Outcome& outcome) {
+  Revision next = journal_.head().revision;
+  ++next.number;
+  return {now_ns, head_, next, outcome};
+}
+
+void Service::take(Arrived arrived, Sequencer::Outcome& outcome) {
   const TransactionKey& key = arrived.arrival.transaction.key;
   std::optional<Refusal> refusal = writers_.refuse(key, arrived.sender);
+  if (!refusal) refusal = refill_.refuse(key);
   if (disk_ == DiskSpace::kFull)
     refusal = Refusal{RefusalCode::kStorageFull,
                       "under 2 % of the daemon's disk is free: make room there"};
@@ -247,18 +252,8 @@ void Service::take(Arrived arrived, Revision next, Sequencer::Outcome& outcome) 
     sequencer_.count_refusal(outcome.answers.back());
     return;
   }
-  sequencer_.take(std::move(arrived.arrival), arrived.sender.arrived_ns, head_, next, outcome);
+  sequencer_.take(std::move(arrived.arrival), turn(arrived.sender.arrived_ns, outcome));
   last_input_ = std::chrono::steady_clock::now();
-}
-
-// Nothing is kept of those of whom the journal has nothing.
-void Service::let_strangers_go(const std::vector<Writers::Spool>& spools) {
-  for (const auto& [source, epoch] : spools) {
-    for (const Receipt& receipt : sequencer_.turn_away_stranger(source, journal_.head().revision))
-      transport_.publish(receipt);
-    changed_spools_.erase({source, epoch});
-    transport_.forget(source, epoch);
-  }
 }
 
 void Service::commit(Sequencer::Outcome outcome) {
@@ -287,6 +282,7 @@ void Service::commit(Sequencer::Outcome outcome) {
     for (const Receipt& receipt : receipts) {
       transport_.publish(receipt);
       changed_spools_.emplace(receipt.key.source, receipt.key.epoch);
+      refill_.decided(receipt.key, Refill::Clock::now());
     }
   }
   for (const Receipt& answer : outcome.answers) transport_.publish(answer);
@@ -298,12 +294,12 @@ void Service::commit(Sequencer::Outcome outcome) {
 bool Service::needs_solve() const {
   const PoseGraph& map = head_.graph();
   if (map.factors.size() == 0) return false;
-  return !chi2_ || map.solved_revision.number + 1 < map.graph_revision.number;
+  return !chi2_ || refill_.active() || map.solved_revision.number + 1 < map.graph_revision.number;
 }
 
 void Service::solve_when_idle() {
   const bool idle = std::chrono::steady_clock::now() - last_input_ >= options_.solve_after_pause;
-  if (solver_works_ || solving_) return;
+  if (solver_works_ || solving_ || refill_.active()) return;
   // What could not be solved is tried again when something has changed, or when somebody asks.
   const bool hopeless = unsolvable_ == head_.graph().graph_revision;
   if (needs_solve() && ((idle && !hopeless) || !awaiting_solution_.empty()))

@@ -18,6 +18,7 @@
 #include "cairn/replay/settle.hpp"
 #include "server/commands.hpp"
 #include "server/estimate_publisher.hpp"
+#include "server/refill.hpp"
 #include "server/sequencer.hpp"
 #include "server/transport.hpp"
 #include "server/writers.hpp"
@@ -45,6 +46,7 @@ struct ServiceOptions {
   /// What has arrived and was not looked at yet; beyond, transactions are refused for now.
   std::size_t inbox_bytes = 256u << 20;
   SequencerLimits limits{};
+  Refill::Patience refill{};
   /// Told what is published as an event, for the log. From any thread.
   std::function<void(const Event&)> on_event{};
   /// For tests that end the process there. From any thread.
@@ -105,7 +107,12 @@ class Service final : private TransportListener {
   void announce_opening();
   void watch_disk();
   void handle(std::deque<Message> messages);
-  void take(Arrived arrived, Revision next, Sequencer::Outcome& outcome);
+  [[nodiscard]] Sequencer::Turn turn(std::int64_t now_ns, Sequencer::Outcome& outcome);
+  void take(Arrived arrived, Sequencer::Outcome& outcome);
+  void meet(const Seen& seen, Sequencer::Outcome& outcome);
+  void hear_promise(const ClientState& client);
+  void part(const Lost& lost);
+  void end_refill();
   void commit(Sequencer::Outcome outcome);
   void let_strangers_go(const std::vector<Writers::Spool>& spools);
   void greet(const ClientState& client);
@@ -146,9 +153,11 @@ class Service final : private TransportListener {
   std::string damage_;  ///< that was found at the start
   DiskSpace disk_ = DiskSpace::kPlenty;
   std::chrono::steady_clock::time_point disk_watched_{};
-  std::optional<double> chi2_;               ///< of the last solve, where this process knows it
-  std::optional<Revision> unsolvable_;       ///< the map of which the last solve failed
-  std::uint64_t snapshot_at_ = 0;            ///< the record that the newest snapshot is after
+  std::optional<double> chi2_;          ///< of the last solve, where this process knows it
+  std::optional<Revision> unsolvable_;  ///< the map of which the last solve failed
+  std::uint64_t snapshot_at_ = 0;       ///< the record that the newest snapshot is after
+  Refill refill_{options_.refill};
+  int eras_raised_ = 0;                      ///< by clients' receipts
   std::set<Writers::Spool> changed_spools_;  ///< their state is to be published
   bool state_changed_ = true;
   std::chrono::steady_clock::time_point state_published_{};

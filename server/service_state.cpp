@@ -57,15 +57,6 @@ void Service::announce(Severity severity, std::string kind, std::string text,
   transport_.publish(event);
 }
 
-// A client sends nothing before it knows what was decided.
-void Service::greet(const ClientState& client) {
-  const JournalHead head = journal_.head();
-  transport_.publish(SourceState{client.source, client.epoch,
-                                 sequencer_.highest_decided(client.source, client.epoch),
-                                 head.revision, head.chain});
-  state_changed_ = true;
-}
-
 void Service::publish_state() {
   const auto now = std::chrono::steady_clock::now();
   if (!state_changed_ || now - state_published_ < options_.state_every) return;
@@ -74,7 +65,7 @@ void Service::publish_state() {
   const JournalHead head = journal_.head();
   for (const auto& [source, epoch] : std::exchange(changed_spools_, {}))
     transport_.publish(SourceState{source, epoch, sequencer_.highest_decided(source, epoch),
-                                   head.revision, head.chain});
+                                   head.revision, head.chain, started_ns_});
   transport_.publish(make_status());
 }
 
@@ -103,7 +94,7 @@ Status Service::make_status() const {
   status.started_ns = started_ns_;
   status.version = "0.1.0";
   status.host = host();
-  status.state = DaemonState::kServing;
+  status.state = refill_.active() ? DaemonState::kRefilling : DaemonState::kServing;
   status.head = journal_.head().revision;
   status.estimate = {head_.graph().graph_revision, head_.graph().solved_revision};
   status.variables = head_.graph().nodes.size();

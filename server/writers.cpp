@@ -59,8 +59,9 @@ bool Writers::arrive(const ClientState& client, const Sender& sender) {
 std::optional<Refusal> Writers::refuse(const TransactionKey& key, const Sender& sender) {
   hear_of({key.source, key.epoch});
   const auto owner = owners_.find(key.source);
-  if (owner == owners_.end() || !owner->second.alive || owner->second.writer == sender.writer)
-    return std::nullopt;
+  if (owner == owners_.end() || !owner->second.alive)
+    return Refusal{RefusalCode::kBusy, "the client has not said yet that it is there"};
+  if (owner->second.writer == sender.writer) return std::nullopt;
   if (owner->second.state.epoch == key.epoch)
     return Refusal{RefusalCode::kBusy,
                    "another program has this spool; it is gone when its lease has ended"};

@@ -45,12 +45,14 @@ class Writers {
   explicit Writers(HighestDecided highest_decided, std::size_t most_strangers = 256)
       : highest_decided_(std::move(highest_decided)), most_strangers_(most_strangers) {}
 
+  /// Somebody uses this spool.
+  void hear_of(const Spool& spool);
   /// A client says that it is there. It becomes the owner where there is no live one, or where the
   /// journal knows its epoch and not that of the owner. True: it is the owner now.
   bool arrive(const ClientState& client, const Sender& sender);
   /// Why a transaction cannot be taken from this writer: `busy` with the owner's epoch (a restarted
-  /// program, whose old lease has not ended), `foreign source` with another one. Who has never
-  /// said that it is there owns nothing, and disturbs nobody.
+  /// program, whose old lease has not ended), `foreign source` with another one. `busy` also where
+  /// nobody has said that it is there: what it was promised must be known first.
   [[nodiscard]] std::optional<Refusal> refuse(const TransactionKey& key, const Sender& sender);
   /// The end of a writer. Gives the spool of which nothing need be kept any more.
   std::optional<Spool> lose(const std::string& source, std::uint64_t writer);
@@ -61,7 +63,6 @@ class Writers {
   [[nodiscard]] const std::map<std::string, Owner>& owners() const { return owners_; }
 
  private:
-  void hear_of(const Spool& spool);
   void forget(const Spool& spool);
 
   HighestDecided highest_decided_;

@@ -175,11 +175,11 @@ Result<void> Journal::verify() const {
   return payloads ? flaw : payloads;
 }
 
-Result<void> Journal::raise_era() {
+Result<void> Journal::raise_era(std::uint32_t above) {
   const std::lock_guard one_at_a_time(append_mutex_);
   if (Result<void> usable = check_usable(); !usable) return usable;
   const Revision now = head().revision;
-  const StoreIdentity identity{now.store, now.era + 1};
+  const StoreIdentity identity{now.store, std::max(now.era, above) + 1};
   const rocksdb::Status status = store_->write_identity(identity);
   if (!status.ok()) return fail(storage_error(status, store_->folder()));
   if (Result<void> written = folder_->write_identity(identity); !written)

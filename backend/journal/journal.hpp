@@ -98,8 +98,9 @@ class Journal {
   /// Checks every block of the store, every record against the chain, every payload against its
   /// hash. The error says where the first flaw is.
   [[nodiscard]] Result<void> verify() const;
-  /// A new era: for when clients hold receipts above the head. Records lost are named by the old.
-  Result<void> raise_era();
+  /// A new era, after this one and after `above`: for when clients hold receipts above the head.
+  /// Records lost are named by the old.
+  Result<void> raise_era(std::uint32_t above = 0);
 
   /// Stores bytes under their content hash, durably. Storing them again does nothing.
   Result<ContentHash> put_payload(std::string_view bytes);

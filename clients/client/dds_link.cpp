@@ -38,8 +38,8 @@ struct Endpoints {
   dds::Reader<cairn_wire_Correction> correction;
   dds::Reader<cairn_wire_Status> status;
   dds::Reader<cairn_wire_Event> event;
+  dds::Writer<cairn_wire_Client_state> client_state;  // first: found before transactions
   dds::Writer<cairn_wire_Transaction> transaction;
-  dds::Writer<cairn_wire_Client_state> client_state;
   dds::Writer<cairn_wire_Payload> payload;
   dds::Writer<cairn_wire_Command> command;
 
@@ -64,8 +64,8 @@ struct Endpoints {
         dds::Reader<cairn_wire_Correction>::make(in, trouble),
         dds::Reader<cairn_wire_Status>::make(in, trouble),
         dds::Reader<cairn_wire_Event>::make(in, trouble),
-        dds::Writer<cairn_wire_Transaction>::make(in, trouble),
         dds::Writer<cairn_wire_Client_state>::make(in, trouble),
+        dds::Writer<cairn_wire_Transaction>::make(in, trouble),
         dds::Writer<cairn_wire_Payload>::make(in, trouble),
         dds::Writer<cairn_wire_Command>::make(in, trouble));
   }

@@ -14,6 +14,7 @@ using namespace std::chrono_literals;
 
 constexpr std::size_t kBatch = 1024;  // transactions that share one sync of the disk
 constexpr auto kTellDaemon = 200ms;   // between states of this client
+constexpr auto kHeartbeat = 5s;       // at least so often, for the clocks
 
 std::uint64_t random_number() {
   std::random_device random;
@@ -104,7 +105,7 @@ bool Client::Engine::has_work(Outgoing::Clock::time_point now) const {
   if (stopping_ || !taken_.empty()) return true;
   if (!daemon_) return false;
   if (outgoing_.next(last_spooled_) || released_ < daemon_->highest_decided) return true;
-  if (news_for_daemon_ && now >= told_daemon_ + kTellDaemon) return true;
+  if (now >= told_daemon_ + (news_for_daemon_ ? kTellDaemon : kHeartbeat)) return true;
   const auto retry = outgoing_.next_retry();
   return retry && *retry <= now;
 }
@@ -112,8 +113,8 @@ bool Client::Engine::has_work(Outgoing::Clock::time_point now) const {
 void Client::Engine::wait_for_work(Lock& lock) {
   while (!has_work(Outgoing::Clock::now())) {
     auto until = outgoing_.next_retry();
-    if (daemon_ && news_for_daemon_) {
-      const auto tell = told_daemon_ + kTellDaemon;
+    if (daemon_) {
+      const auto tell = told_daemon_ + (news_for_daemon_ ? kTellDaemon : kHeartbeat);
       until = until ? std::min(*until, tell) : tell;
     }
     if (until)
@@ -130,6 +131,12 @@ void Client::Engine::work() {
     if (!taken_.empty()) spool_taken(lock);
     if (stopping_ && taken_.empty()) return;
     if (!daemon_) continue;
+    // Before transactions: what we were promised may tell the daemon that its store lost its end.
+    if (news_for_daemon_ || Outgoing::Clock::now() >= told_daemon_ + kHeartbeat) {
+      lock.unlock();
+      tell_daemon(false);
+      lock.lock();
+    }
     send_due();
     send_next(lock);
     if (released_ < daemon_->highest_decided) {
@@ -137,11 +144,6 @@ void Client::Engine::work() {
       spool_->release(released_);
       oldest_kept_ = spool_->oldest_kept();
       spool_bytes_ = spool_->bytes();
-    }
-    if (news_for_daemon_) {
-      lock.unlock();
-      tell_daemon(false);
-      lock.lock();
     }
   }
 }
@@ -215,6 +217,7 @@ void Client::Engine::tell_daemon(bool now) {
     state.highest_decided = receipted_sequence_;
     state.receipted = receipted_;
     state.oldest_kept = oldest_kept_;
+    if (daemon_) state.daemon_ns = daemon_->daemon_ns;
   }
   state.sent_ns = now_ns();
   if (auto sent = link_->send(state); !sent) tell(sent.error());
@@ -226,8 +229,9 @@ void Client::Engine::on_receipt(Receipt receipt) {
   {
     const std::lock_guard lock(mutex_);
     if (outgoing_.receive(receipt, Outgoing::Clock::now())) {
-      receipted_ = receipt.revision;
-      receipted_sequence_ = receipt.key.sequence;
+      if (receipted_.store != receipt.revision.store || receipted_ < receipt.revision)
+        receipted_ = receipt.revision;
+      receipted_sequence_ = std::max(receipted_sequence_, receipt.key.sequence);
       news_for_daemon_ = true;
     }
     if (auto waiting = final ? waiting_.extract(receipt.key.sequence) : Waiting::node_type())
@@ -247,6 +251,10 @@ void Client::Engine::on_source_state(SourceState state) {
     const bool first = !daemon_;
     const bool other_store = daemon_ && (daemon_->revision.store != state.revision.store ||
                                          daemon_->revision.era != state.revision.era);
+    if (!daemon_ || daemon_->daemon_ns != state.daemon_ns) {
+      news_for_daemon_ = true;
+      told_daemon_ = {};
+    }
     const bool lower = daemon_ && state.highest_decided < daemon_->highest_decided;
     if (first || other_store || lower) {
       // What this run has submitted is sent even if the daemon knows the number: a spool that lost
@@ -263,8 +271,6 @@ void Client::Engine::on_source_state(SourceState state) {
       }
       outgoing_.rewind(decided);
       released_ = std::min(released_, state.highest_decided);
-      news_for_daemon_ = true;
-      told_daemon_ = {};
     }
     daemon_ = std::move(state);
   }

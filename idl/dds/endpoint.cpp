@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "idl/dds/endpoint.hpp"
 
+#include <algorithm>
 #include <array>
 
 namespace cairn::dds {
@@ -111,6 +112,7 @@ void WaitLoop::run(const TroubleHandler& trouble) {
     const auto count =
         dds_waitset_wait(waitset_.handle(), ready.data(), ready.size(), DDS_INFINITY);
     if (count < 0) return trouble(to_error(count, "cannot wait for messages"));
+    std::sort(ready.begin(), ready.begin() + count);  // who was attached first goes first
     for (int i = 0; i < count && !stopped_; ++i) {
       if (ready[i] < 0) continue;
       if (const int code = sources_[ready[i]].handler(); code < 0)

@@ -28,7 +28,20 @@ class RawClient {
   explicit RawClient(std::uint32_t domain)
       : participant_(*dds::Participant::open(domain, {})),
         writer_(*dds::Writer<cairn_wire_Transaction>::make(participant_, &trouble_)),
-        reader_(*dds::Reader<cairn_wire_Receipt>::make(participant_, &trouble_)) {}
+        client_state_(*dds::Writer<cairn_wire_Client_state>::make(participant_, &trouble_)),
+        states_(*dds::Reader<cairn_wire_Source_state>::make(participant_, &trouble_)),
+        reader_(*dds::Reader<cairn_wire_Receipt>::make(participant_, &trouble_)) {
+    ClientState state{.source = "mallory", .epoch = 4};
+    wire::Arena arena;
+    EXPECT_GE(client_state_.write(wire::to_wire(state, 99, arena)), 0);
+    for (int i = 0; i < 5000 && state.daemon_ns == 0; ++i) {
+      states_.take([&](const cairn_wire_Source_state& sample, const dds_sample_info_t& info) {
+        if (info.valid_data) state.daemon_ns = sample.daemon_ns;
+      });
+      std::this_thread::sleep_for(1ms);
+    }
+    EXPECT_GE(client_state_.write(wire::to_wire(state, 99, arena)), 0);
+  }
 
   void send(const cairn_wire_Transaction& sample) { ASSERT_GE(writer_.write(sample), 0); }
   [[nodiscard]] bool can_send(const cairn_wire_Transaction& sample) {
@@ -50,13 +63,18 @@ class RawClient {
   dds::TroubleHandler trouble_;
   dds::Participant participant_;
   dds::Writer<cairn_wire_Transaction> writer_;
+  dds::Writer<cairn_wire_Client_state> client_state_;
+  dds::Reader<cairn_wire_Source_state> states_;
   dds::Reader<cairn_wire_Receipt> reader_;
 };
 
 class Hostile : public testing::Test {
  protected:
   static std::uint32_t domain() { return 1 + static_cast<std::uint32_t>(getpid()) % 200; }
-  void SetUp() override { ASSERT_TRUE(service_.start()); }
+  void SetUp() override {
+    ASSERT_TRUE(service_.start());
+    raw_.emplace(domain());
+  }
 
   // Step `index` of the drive as the raw client's transaction of this sequence.
   static Transaction transaction(std::size_t index, std::uint64_t sequence) {
@@ -69,15 +87,15 @@ class Hostile : public testing::Test {
     wire::Arena arena;
     cairn_wire_Transaction sample = wire::to_wire(transaction, 99, arena);
     if (spoil) spoil(sample);
-    raw_.send(sample);
-    return raw_.receipt(transaction.key.sequence);
+    raw_->send(sample);
+    return raw_->receipt(transaction.key.sequence);
   }
 
   test::TemporaryFolder folder_;
   std::unique_ptr<Journal> journal_ = *Journal::open((folder_.path() / "data").string());
   std::unique_ptr<Transport> transport_ = make_dds_transport({.domain = domain()});
   Service service_{*journal_, *transport_, {.solve_after_pause = 20ms}};
-  RawClient raw_{domain()};
+  std::optional<RawClient> raw_;
 };
 
 struct Attack {
@@ -153,11 +171,11 @@ TEST_F(Hostile, RefusesForGoodWhatBreaksARuleAndKeepsTheMapAsItWas) {
 TEST_F(Hostile, DecidesWhatWaitsBehindAnUnreadableOne) {
   wire::Arena arena;
   cairn_wire_Transaction second = wire::to_wire(transaction(1, 2), 99, arena);
-  raw_.send(second);
+  raw_->send(second);
   second = wire::to_wire(transaction(0, 1), 99, arena);
   second.version = 7;
-  raw_.send(second);
-  EXPECT_EQ(raw_.receipt(2)->refusal, RefusalCode::kUnknownVariable);
+  raw_->send(second);
+  EXPECT_EQ(raw_->receipt(2)->refusal, RefusalCode::kUnknownVariable);
 }
 
 TEST_F(Hostile, HearsNothingOfSamplesThatAreLongerThanAnyMessageMayBe) {
@@ -168,7 +186,7 @@ TEST_F(Hostile, HearsNothingOfSamplesThatAreLongerThanAnyMessageMayBe) {
   std::vector<double> numbers(6'000'000, 0.5);
   huge.factors._buffer[0].numbers._length = static_cast<std::uint32_t>(numbers.size());
   huge.factors._buffer[0].numbers._buffer = numbers.data();
-  EXPECT_FALSE(raw_.can_send(huge));  // who has our configuration does not even send it
+  EXPECT_FALSE(raw_->can_send(huge));  // who has our configuration does not even send it
   EXPECT_FALSE(send(step)->refusal);
 }
 

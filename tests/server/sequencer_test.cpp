@@ -34,7 +34,7 @@ class SequencerTest : public ::testing::Test {
   }
   Sequencer::Outcome take(Arrival arrival, std::int64_t now_ns = 0) {
     Sequencer::Outcome outcome;
-    sequencer_.take(std::move(arrival), now_ns, head_, next(), outcome);
+    sequencer_.take(std::move(arrival), {now_ns, head_, next(), outcome});
     number_ += outcome.decisions.size();
     return outcome;
   }
@@ -109,9 +109,9 @@ TEST_F(SequencerTest, RefusesWhatWaitedTooLong) {
   take(step("a", 1));
   take(step("a", 2, node("b", 1)), 1000);
   Sequencer::Outcome outcome;
-  sequencer_.expire(1050, head_, next(), outcome);
+  sequencer_.expire({1050, head_, next(), outcome});
   EXPECT_TRUE(outcome.decisions.empty());
-  sequencer_.expire(1100, head_, next(), outcome);
+  sequencer_.expire({1100, head_, next(), outcome});
   ASSERT_EQ(outcome.decisions.size(), 1U);
   EXPECT_EQ(outcome.decisions[0].refusal, RefusalCode::kUnknownVariable);
   EXPECT_EQ(sequencer_.counters().at("a").refused, 1U);
@@ -194,6 +194,22 @@ TEST_F(SequencerTest, BeginsAnEpochWithItsFirstDecisionOnly) {
   EXPECT_EQ(outcome.decisions.size(), 2U);
   ASSERT_EQ(outcome.answers.size(), 1U);
   EXPECT_EQ(outcome.answers[0].refusal, RefusalCode::kStale);  // 4 of epoch 7
+}
+
+TEST_F(SequencerTest, GoesOnBehindAGapThatNobodyCanFill) {
+  const auto skip = [&](const std::string& source, std::uint64_t epoch, std::uint64_t first) {
+    Sequencer::Outcome outcome;
+    sequencer_.skip_to(source, epoch, first, {0, head_, next(), outcome});
+    number_ += outcome.decisions.size();
+    return outcome;
+  };
+  take(step("a", 1));
+  EXPECT_TRUE(take(step("a", 5)).decisions.empty());
+  EXPECT_EQ(skip("a", 7, 5).decisions.size(), 1U);
+  EXPECT_TRUE(skip("a", 7, 3).decisions.empty());  // nothing to do
+  EXPECT_TRUE(skip("b", 1, 9).decisions.empty());  // a store that never heard of it
+  EXPECT_EQ(take(step("b", 9, {}, 1)).decisions.size(), 1U);
+  EXPECT_EQ(sequencer_.highest_decided("b", 1), 9U);
 }
 
 TEST_F(SequencerTest, TurnsAwayAllThatWaits) {

@@ -73,7 +73,8 @@ TEST(Conversion, CarriesStatesOfSourcesAndClients) {
                            .epoch = 4,
                            .highest_decided = 5,
                            .revision = {1, 2, 3},
-                           .chain = content_hash("chain")};
+                           .chain = content_hash("chain"),
+                           .daemon_ns = 6};
   EXPECT_EQ(round_trip(source), source);
   const ClientState client{.source = "s",
                            .epoch = 4,
@@ -81,7 +82,8 @@ TEST(Conversion, CarriesStatesOfSourcesAndClients) {
                            .highest_decided = 9,
                            .receipted = {7, 8, 9},
                            .oldest_kept = 2,
-                           .sent_ns = -1};
+                           .sent_ns = -1,
+                           .daemon_ns = 8};
   EXPECT_EQ(round_trip(client, std::uint64_t{1}), client);
 }
 
