@@ -173,6 +173,7 @@ class Resender final : public LinkListener {
 
   Receipted run() {
     EXPECT_TRUE(link_->start(*this));
+    introduce(0);
     constexpr std::uint64_t kWindow = 200;
     for (std::uint64_t first = spool_.oldest_kept(); first < spool_.next_sequence();
          first += kWindow) {
@@ -188,6 +189,10 @@ class Resender final : public LinkListener {
   }
 
  private:
+  void introduce(std::int64_t daemon_ns) {
+    EXPECT_TRUE(link_->send(
+        ClientState{.source = source_, .epoch = spool_.epoch(), .daemon_ns = daemon_ns}));
+  }
   bool missing(std::uint64_t first, std::uint64_t end) {
     const std::lock_guard lock(mutex_);
     for (; first < end && answers_.contains({source_, first}); ++first) {
@@ -207,7 +212,9 @@ class Resender final : public LinkListener {
     const std::lock_guard lock(mutex_);
     answers_[{receipt.key.source, receipt.key.sequence}] = receipt.revision.number;
   }
-  void on_source_state(SourceState) override {}
+  void on_source_state(SourceState state) override {
+    if (std::exchange(daemon_ns_, state.daemon_ns) != state.daemon_ns) introduce(daemon_ns_);
+  }
   void on_payload_receipt(PayloadReceipt) override {}
   void on_poses(EstimateRevisions, std::vector<PoseChunk>) override {}
   void on_landmarks(EstimateRevisions, std::vector<LandmarkChunk>) override {}
@@ -220,6 +227,7 @@ class Resender final : public LinkListener {
   std::string source_;
   Spool spool_;
   std::unique_ptr<Link> link_;
+  std::int64_t daemon_ns_ = 0;  // of the link's thread
   std::mutex mutex_;
   Receipted answers_;
 };
