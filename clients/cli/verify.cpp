@@ -7,6 +7,7 @@
 
 #include "cairn/core/exit_code.hpp"
 #include "cairn/core/output_file.hpp"
+#include "cairn/history/record_json.hpp"
 #include "clients/cli/console.hpp"
 #include "clients/cli/outputs.hpp"
 #include "clients/cli/verb.hpp"
@@ -35,11 +36,6 @@ constexpr const char* kFooter =
     "hash`.\n"
     "Exit codes: 0 sound, 2 usage, 3 damaged or different, 1 internal error.";
 
-const char* name_of(RecordKind kind) {
-  constexpr const char* kNames[] = {"", "transaction", "command", "verdict", "solve"};
-  return kNames[static_cast<int>(kind)];
-}
-
 struct Verified {
   JournalHead head;
   std::optional<std::string> cut_tail;
@@ -60,17 +56,15 @@ Result<Verified> verify(const VerifyArguments& a, const Console& console) {
   }
   if (Result<void> sound = (*journal)->verify(); !sound) return sound.error();
   std::string hashes;
-  Reexecution::OnRecord on_record;
-  if (a.at || !a.hashes.empty()) {
-    on_record = [&](const Record& record, const ContentHash& head) {
-      if (a.at == record.number) verified.hash_at = head;
-      if (a.hashes.empty()) return;
-      hashes += std::to_string(record.number) + ',' + std::to_string(record.era) + ',' +
-                name_of(record.kind()) + ',' + to_string(head) + ',' + to_string(record.chain) +
-                '\n';
-    };
-  }
-  console.show_progress("executing " + std::to_string(last) + " records again ...");
+  const auto on_record = [&](const Record& record, const ContentHash& head) {
+    if (record.number % 1000 == 0)
+      console.show_progress("executed " + std::to_string(record.number) + " of " +
+                            std::to_string(last) + " records again");
+    if (a.at == record.number) verified.hash_at = head;
+    if (a.hashes.empty()) return;
+    hashes += std::to_string(record.number) + ',' + std::to_string(record.era) + ',' +
+              kind_of(record) + ',' + to_string(head) + ',' + to_string(record.chain) + '\n';
+  };
   Result<Reexecuted> executed = Reexecution(**journal).run(on_record);
   console.clear_progress();
   if (!executed) {
