@@ -103,7 +103,13 @@ Result<void> Reexecution::decide_again(const Transaction& transaction,
   Sequencer::Outcome outcome;
   const Sequencer::Turn turn{record.arrival_ns, head_, revision, outcome};
   const TransactionKey& key = transaction.key;
-  sequencer_.skip_to(key.source, key.epoch, key.sequence, turn);  // a gap that nobody could fill
+  if (const auto before = sequencer_.highest_decided(key.source, key.epoch);
+      key.sequence > before + 1) {
+    result_.gaps.push_back("record " + std::to_string(revision.number) + ": sequences " +
+                           std::to_string(before + 1) + " to " + std::to_string(key.sequence - 1) +
+                           " of " + key.source + " are missing");
+    sequencer_.skip_to(key.source, key.epoch, key.sequence, turn);
+  }
   sequencer_.take(make_arrival(transaction), turn);
   const std::string name =
       "transaction " + transaction.key.source + '/' + std::to_string(transaction.key.sequence);

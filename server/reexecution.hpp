@@ -6,6 +6,7 @@
 #include <map>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "cairn/history/solve_record.hpp"
 #include "cairn/journal/journal.hpp"
@@ -22,6 +23,7 @@ struct Reexecuted {
   std::uint64_t solves_compared = 0;        ///< made elsewhere, and the same to 1e-9
   std::uint64_t solves_skipped = 0;         ///< by a method that this version does not know
   double largest_difference = 0.0;          ///< relative, among solves_compared
+  std::vector<std::string> gaps{};          ///< sequences that neither store nor spool had any more
   std::optional<std::uint64_t> snapshot{};  ///< the record after which estimates are stored, alike
   std::optional<std::string> other_settings{};  ///< of the first of those
   ContentHash head_hash{};                      ///< HeadHash after the last record

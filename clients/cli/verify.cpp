@@ -102,6 +102,9 @@ void say_text(const Verified& v, const VerifyArguments& a, const Console& consol
                   " solves were made by methods that this version does not have; only their "
                   "hashes were checked");
   }
+  for (const std::string& gap : e.gaps)
+    Console::warn("warning: " + gap +
+                  ": a store lost them, and the client's spool had them no more");
   if (e.snapshot)
     console.say("the estimates stored after record " + std::to_string(*e.snapshot) +
                 " are those that the records give");
@@ -126,6 +129,7 @@ std::string json_text(const Verified& v, const VerifyArguments& a) {
                     {"not_bit_comparable", e.solves_compared},
                     {"largest_difference", e.largest_difference},
                     {"unknown_method", e.solves_skipped}};
+  json["gaps"] = e.gaps;
   json["snapshot"] = e.snapshot ? nlohmann::ordered_json(*e.snapshot) : nullptr;
   json["settings"] = SolveSettings::here().to_string();
   if (v.hash_at) json["head_hash_at"] = {{"number", *a.at}, {"hash", to_string(*v.hash_at)}};

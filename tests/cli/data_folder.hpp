@@ -25,7 +25,7 @@ class DataFolderMaker {
     ++next.number;
     transaction.key = {source, 7, ++sequences_[source]};
     Sequencer::Outcome outcome;
-    sequencer_.take(make_arrival(std::move(transaction)), now(), head_, next, outcome);
+    sequencer_.take(make_arrival(std::move(transaction)), {now(), head_, next, outcome});
     ASSERT_EQ(outcome.decisions.size(), 1u);
     append(record_of(std::move(outcome.decisions.front()), now()));
   }

@@ -133,10 +133,10 @@ TEST_F(Verify, FindsADecisionThatCannotBeMade) {
               HasSubstr("executed again it is refused"));
   EXPECT_THAT(forged([](TransactionRecord& record) {
                 auto& transaction = std::get<Transaction>(record.outcome);
-                transaction.key.sequence = 9;
+                transaction.key.sequence = 5;
                 record.content_hash = content_hash(encode(transaction));
               }),
-              HasSubstr("executed again it is not decided"));
+              HasSubstr("executed again it is not decided: sequence 5 was decided with other"));
 }
 
 TEST_F(Verify, ComparesTheStoredEstimatesWithTheRecords) {
@@ -156,6 +156,19 @@ TEST_F(Verify, ComparesTheStoredEstimatesWithTheRecords) {
   store(1e-6);
   EXPECT_EQ(run().exit_code, 3);
   EXPECT_THAT(run().err, HasSubstr("record 20: the estimates stored after it"));
+}
+
+TEST_F(Verify, TellsOfSequencesThatNobodyHasAnyMore) {
+  {
+    DataFolderMaker maker(data());
+    maker.submit_all(drive(5));
+    Transaction transaction = drive(6).back();
+    transaction.key = {"laser", 7, 9};
+    maker.append(TransactionRecord{transaction, content_hash(encode(transaction)), 0});
+  }
+  const auto verified = run();
+  EXPECT_EQ(verified.exit_code, 0) << verified.err;
+  EXPECT_THAT(verified.err, HasSubstr("record 6: sequences 6 to 8 of laser are missing"));
 }
 
 TEST_F(Verify, LeavesADamagedFolderAsItIs) {
