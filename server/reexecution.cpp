@@ -161,13 +161,11 @@ Result<void> Reexecution::check_snapshot(std::uint64_t number) {
 }
 
 Result<void> Reexecution::solve_again(const SolveRecord& record, std::uint64_t number) {
-  const SolveSettings settings = SolveSettings::parse(record.settings);
-  const SolveSettings here = SolveSettings::here();
   const auto base = bases_.find(record.base);
   if (base == bases_.end())
     return differs(number,
                    "it solved record " + std::to_string(record.base) + ", which comes later");
-  if (settings.method != here.method) {
+  if (SolveSettings::parse(record.settings).method != SolveSettings::here().method) {
     ++result_.solves_skipped;
     return {};
   }
@@ -183,8 +181,12 @@ Result<void> Reexecution::solve_again(const SolveRecord& record, std::uint64_t n
     if (!node) return differs(number, "there is no node " + to_string(changed.node));
     recorded.estimates.edit(*node) = to_estimate(changed.numbers);
   }
-  const bool same_bits = hash_estimates(again) == hash_estimates(recorded);
-  if (same_bits) {
+  return judge(record, again, recorded, number);
+}
+
+Result<void> Reexecution::judge(const SolveRecord& record, const PoseGraph& again,
+                                const PoseGraph& recorded, std::uint64_t number) {
+  if (hash_estimates(again) == hash_estimates(recorded)) {
     ++result_.solves;
     return {};
   }
@@ -196,7 +198,8 @@ Result<void> Reexecution::solve_again(const SolveRecord& record, std::uint64_t n
     largest = apart;
     worst = i;
   }
-  if (settings != here && largest <= kTolerance) {
+  const SolveSettings here = SolveSettings::here();
+  if (SolveSettings::parse(record.settings) != here && largest <= kTolerance) {
     ++result_.solves_compared;
     result_.largest_difference = std::max(result_.largest_difference, largest);
     if (!result_.other_settings) result_.other_settings = record.settings;

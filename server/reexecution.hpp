@@ -50,6 +50,8 @@ class Reexecution {
   Result<void> execute(const SolveRecord& record, const Record& whole);
   Result<void> check_snapshot(std::uint64_t number);
   Result<void> solve_again(const SolveRecord& record, std::uint64_t number);
+  Result<void> judge(const SolveRecord& record, const PoseGraph& again, const PoseGraph& recorded,
+                     std::uint64_t number);
 
   const Journal& journal_;
   MapHead head_;

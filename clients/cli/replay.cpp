@@ -33,12 +33,10 @@ constexpr const char* kFooter =
     "client that\n"
     "front-ends use. Several files are several robots at once, named after their files; a vertex "
     "belongs to the robot\n"
-    "in whose file it stands, and edges to the vertices of other files tie robots together. An "
-    "edge "
+    "in whose file it stands, and edges to vertices of other files tie robots together. An edge "
     "that stands in two\n"
-    "files (within 1e-5) is sent once. Nodes are there once: to replay a file again, use another "
-    "--prefix or an empty\n"
-    "data folder.\n"
+    "files (within 1e-5) is sent once. To replay a file again, use --prefix, or an empty data "
+    "folder and another --spool.\n"
     "Exit codes: 0 every transaction is durable, 2 usage, 3 bad input, 4 refused, 5 no daemon "
     "answers.";
 
@@ -52,8 +50,8 @@ Error refusal(const Receipt& receipt, const FleetRobot& robot) {
                         receipt.reason;
   if (receipt.refusal == RefusalCode::kConflict)
     message += "; the map has robot '" + robot.name +
-               "' already: replay it as another one with --prefix, or use a daemon with an empty "
-               "data folder";
+               "' from a run before: replay it as another one with --prefix, or into an empty data "
+               "folder with another --spool (the old spool would refill the folder)";
   return {ErrorCode::kNotUsable, std::move(message), robot.file};
 }
 

@@ -135,8 +135,9 @@ TEST_F(DaemonVerbs, ReplayingTwiceSaysWhatToDo) {
   ASSERT_EQ(replay({file("grid.g2o")}).exit_code, 0);
   const auto twice = replay({file("grid.g2o")});
   EXPECT_EQ(twice.exit_code, 4);
-  EXPECT_THAT(twice.err, HasSubstr("the map has robot 'grid' already: replay it as another one "
-                                   "with --prefix, or use a daemon with an empty data folder"));
+  EXPECT_THAT(twice.err, HasSubstr("the map has robot 'grid' from a run before: replay it as "
+                                   "another one with --prefix, or into an empty data folder with "
+                                   "another --spool"));
   const auto other = replay({file("grid.g2o"), "--prefix", "second-"});
   EXPECT_EQ(other.exit_code, 0) << other.err;
   EXPECT_EQ(json::parse(ask({"status", "--json"}).out)["variables"], 20);
