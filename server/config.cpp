@@ -123,6 +123,9 @@ const std::vector<Setting>& settings() {
            64, [](auto& c) -> auto& { return c.network.interface; }),
       number("solve", "after_pause_ms", "a solve starts when nothing has come for so long",
              {1, 3'600'000}, [](auto& c) -> auto& { return c.service.solve_after_pause; }),
+      number("solve", "publish_every_ms",
+             "poses that came are published together, at most so often", {0, 10'000},
+             [](auto& c) -> auto& { return c.service.publish_every; }),
       number(
           "journal", "snapshot_every",
           "estimates are stored after so many records, so that a start need not apply all solves",

@@ -40,7 +40,7 @@ Result<void> Service::start() {
   announce_opening();
   if (journal_.open_report().damage) refill_.begin(Refill::Clock::now());
   publish_state();
-  publisher_.publish(head_.graph());
+  publish_estimate();
   decider_ = std::thread([this] { run(); });
   return {};
 }
@@ -192,14 +192,14 @@ void Service::run() {
     std::deque<Message> messages;
     {
       std::unique_lock lock(mutex_);
-      wake_.wait_for(lock, options_.solve_after_pause,
-                     [this] { return stopping_ || !inbox_.empty(); });
+      wake_.wait_for(lock, until_next_duty(), [this] { return stopping_ || !inbox_.empty(); });
       if (stopping_) return;
       messages.swap(inbox_);
       inbox_bytes_ = 0;
     }
     watch_disk();
     if (!messages.empty()) handle(std::move(messages));
+    publish_estimate_when_due();
     end_refill();
     publish_state();
     solve_when_idle();
@@ -287,7 +287,28 @@ void Service::commit(Sequencer::Outcome outcome) {
   }
   for (const Receipt& answer : outcome.answers) transport_.publish(answer);
   state_changed_ |= !outcome.decisions.empty() || !outcome.answers.empty();
-  if (!outcome.decisions.empty()) publisher_.publish(head_.graph());
+  estimate_changed_ |= !outcome.decisions.empty();
+}
+
+std::chrono::nanoseconds Service::until_next_duty() const {
+  if (!estimate_changed_) return options_.solve_after_pause;
+  const auto due = published_at_ + options_.publish_every;
+  return std::clamp<std::chrono::nanoseconds>(due - std::chrono::steady_clock::now(),
+                                              std::chrono::nanoseconds(0),
+                                              options_.solve_after_pause);
+}
+
+// Growth by odometry is told now and then: each time the last chunk of a trajectory goes out whole.
+void Service::publish_estimate_when_due() {
+  if (estimate_changed_ &&
+      std::chrono::steady_clock::now() >= published_at_ + options_.publish_every)
+    publish_estimate();
+}
+
+void Service::publish_estimate() {
+  publisher_.publish(head_.graph());
+  published_at_ = std::chrono::steady_clock::now();
+  estimate_changed_ = false;
 }
 
 // A solve's own record comes right after what it has seen.
@@ -368,7 +389,7 @@ void Service::take_solution(const Solved& solved) {
     if (!commit_solution(base, changed)) return;
   }
   chi2_ = summary.final_chi2;
-  publisher_.publish(head_.graph());
+  publish_estimate();
   state_changed_ = true;
   for (const Command& command : std::exchange(awaiting_solution_, {})) carry_out(command);
 }

@@ -38,6 +38,8 @@ enum class ServicePoint {
 struct ServiceOptions {
   /// A solve starts when nothing has come for so long.
   std::chrono::milliseconds solve_after_pause{200};
+  /// Poses that came are published together, at most so often.
+  std::chrono::milliseconds publish_every{10};
   /// Estimates are stored beside the journal after so many records, so that a start need not apply
   /// all solves.
   std::uint64_t snapshot_every = 10'000;
@@ -105,6 +107,9 @@ class Service final : private TransportListener {
   void post(Arrival arrival, const Sender& sender);
   void run();
   void announce_opening();
+  [[nodiscard]] std::chrono::nanoseconds until_next_duty() const;
+  void publish_estimate_when_due();
+  void publish_estimate();
   void watch_disk();
   void handle(std::deque<Message> messages);
   [[nodiscard]] Sequencer::Turn turn(std::int64_t now_ns, Sequencer::Outcome& outcome);
@@ -150,6 +155,8 @@ class Service final : private TransportListener {
   std::chrono::steady_clock::time_point last_input_{};
   std::vector<Command> awaiting_solution_;
   std::int64_t started_ns_ = 0;
+  bool estimate_changed_ = false;  ///< since it was published
+  std::chrono::steady_clock::time_point published_at_{};
   std::string damage_;  ///< that was found at the start
   DiskSpace disk_ = DiskSpace::kPlenty;
   std::chrono::steady_clock::time_point disk_watched_{};

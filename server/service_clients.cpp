@@ -63,7 +63,7 @@ void Service::hear_promise(const ClientState& client) {
               " has a receipt of " + to_string(client.receipted) +
               ": what lies between is lost here, and clients send it again from their spools";
     announce(Severity::kError, "damage", damage_, journal_.head().revision);
-    publisher_.publish(head_.graph());
+    publish_estimate();
     for (const auto& [source, owner] : writers_.owners())
       if (owner.alive) greet(owner.state);
   }

@@ -183,7 +183,8 @@ void Client::Engine::fail_taken(const std::vector<Handle>& batch, const Error& e
 
 // Fills the window, but lets new submissions reach the disk in between.
 void Client::Engine::send_next(Lock& lock) {
-  while (taken_.empty() && !stopping_) {
+  constexpr int kAtLeast = 32;  // or a steady stream of submissions would keep all from being sent
+  for (int sent_now = 0; (taken_.empty() || sent_now < kAtLeast) && !stopping_; ++sent_now) {
     const auto sequence = outgoing_.next(last_spooled_);
     if (!sequence) return;
     auto record = spool_->read(*sequence);
