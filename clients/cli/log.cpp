@@ -33,7 +33,7 @@ int run_log(const LogArguments& a) {
   if (!a.kind.empty()) question.options["kind"] = a.kind;
   question.options["limit"] = a.limit;
   question.options["json"] = a.json;
-  return ask_and_print(a.target, question);
+  return ask_and_print(a.target, question, std::chrono::minutes(1));
 }
 
 }  // namespace

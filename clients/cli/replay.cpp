@@ -12,6 +12,7 @@
 #include "clients/cli/choices.hpp"
 #include "clients/cli/console.hpp"
 #include "clients/cli/fleet.hpp"
+#include "clients/cli/target.hpp"
 #include "clients/cli/verb.hpp"
 #include "clients/client/client.hpp"
 
@@ -21,6 +22,7 @@ namespace {
 struct ReplayArguments {
   std::vector<std::string> files;
   std::uint32_t domain = 0;
+  dds::Network network{};
   double rate_hz = 0.0;
   double timeout_s = 30.0;
   std::string spool, prefix;
@@ -91,6 +93,7 @@ Result<void> send(FleetRobot& robot, const ReplayArguments& a, Client& client) {
 Result<Client> connect(const FleetRobot& robot, const ReplayArguments& a) {
   ClientOptions options;
   options.domain = a.domain;
+  options.network = a.network;
   options.source = "replay-" + robot.name;
   options.robot = robot.name;
   if (!a.spool.empty()) options.spool = std::filesystem::path(a.spool) / options.source;
@@ -162,6 +165,7 @@ Run add_replay(CLI::App& parent, CLI::App*& verb) {
   verb->footer(kFooter);
   verb->add_option("FILE", a->files, "graph files, one per robot")->required()->default_str("");
   verb->add_option("--domain", a->domain, "DDS domain of the daemon")->check(in_range(0, 230));
+  add_network(*verb, a->network);
   verb->add_option("--rate", a->rate_hz, "poses per second; 0: as fast as it goes")
       ->check(CLI::NonNegativeNumber.description(""))
       ->type_name("HZ");

@@ -53,7 +53,7 @@ Result<std::string> settle_folder(const std::string& folder) {
 Result<std::string> settle_daemon(const Target& target) {
   Result<Connection> connection = connect(target);
   if (!connection) return connection.error();
-  return connection->client.command("settle", std::chrono::minutes(10));
+  return connection->client.command("settle", kLongWork);
 }
 
 }  // namespace

@@ -28,7 +28,8 @@ Run add_show(CLI::App& parent, CLI::App*& verb) {
   add_target(*verb, a->target);
   verb->add_flag("--json", a->json, "print JSON");
   return [a] {
-    return ask_and_print(a->target, {"show", {{"number", a->number}, {"json", a->json}}});
+    return ask_and_print(a->target, {"show", {{"number", a->number}, {"json", a->json}}},
+                         std::chrono::seconds(30));
   };
 }
 

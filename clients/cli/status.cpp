@@ -154,7 +154,7 @@ void print_text(const Json& status) {
 }
 
 Result<Json> status_of_daemon(const Target& target) {
-  const Result<std::string> text = ask(target, {"status"});
+  const Result<std::string> text = ask(target, {"status"}, std::chrono::seconds(30));
   if (!text) return text.error();
   Json status = Json::parse(*text, nullptr, false);
   if (status.is_object() && status.contains("sources")) return status;

@@ -12,8 +12,6 @@
 namespace cairn::cli {
 namespace {
 
-constexpr std::chrono::minutes kPatience{10};  // for an answer, once a daemon is there
-
 // What the client's thread hands over.
 struct FirstStatus {
   std::mutex mutex;
@@ -34,17 +32,26 @@ Result<std::string> ask_folder(const std::string& folder, const Question& questi
 
 }  // namespace
 
-void add_daemon(CLI::App& verb, Target& target) {
+void add_network(CLI::App& verb, dds::Network& network) {
+  const Choices<dds::Profile> profiles{{"local", dds::Profile::kLocal},
+                                       {"radio", dds::Profile::kRadio}};
+  add_choice(verb, "--profile", network.profile, profiles,
+             "DDS settings, as in the daemon's configuration");
+  verb.add_option("--interface", network.interface,
+                  "network interface to the daemon, such as eth0; else this machine only (radio: "
+                  "its first one)")
+      ->type_name("NAME")
+      ->default_str("");
+}
+
+void add_target(CLI::App& verb, Target& target) {
   verb.add_option("--domain", target.domain, "ask the daemon that serves this DDS domain")
       ->check(in_range(0, 230))
       ->type_name("N");
   verb.add_option("--timeout", target.timeout_s, "how long to look for the daemon, seconds")
       ->check(CLI::PositiveNumber.description(""))
       ->type_name("S");
-}
-
-void add_target(CLI::App& verb, Target& target) {
-  add_daemon(verb, target);
+  add_network(verb, target.network);
   verb.add_option("--data", target.folder, "read this data folder, which no daemon may serve")
       ->excludes("--domain")
       ->default_str("")
@@ -52,7 +59,7 @@ void add_target(CLI::App& verb, Target& target) {
 }
 
 Result<Connection> connect(const Target& target) {
-  auto client = Client::connect({.domain = target.domain});
+  auto client = Client::connect({.domain = target.domain, .network = target.network});
   if (!client) return client.error();
   const auto first = std::make_shared<FirstStatus>();
   client->on_status([first](const Status& status) {
@@ -90,15 +97,16 @@ Result<void> check_sound(const std::string& folder) {
   return (*journal)->verify();
 }
 
-Result<std::string> ask(const Target& target, const Question& question) {
+Result<std::string> ask(const Target& target, const Question& question,
+                        std::chrono::seconds patience) {
   if (target.is_folder()) return ask_folder(target.folder, question);
   Result<Connection> connection = connect(target);
   if (!connection) return connection.error();
-  return connection->client.command(question.to_string(), kPatience);
+  return connection->client.command(question.to_string(), patience);
 }
 
-int ask_and_print(const Target& target, const Question& question) {
-  const Result<std::string> text = ask(target, question);
+int ask_and_print(const Target& target, const Question& question, std::chrono::seconds patience) {
+  const Result<std::string> text = ask(target, question, patience);
   if (!text) return fail(text.error());
   std::fwrite(text->data(), 1, text->size(), stdout);
   return std::fflush(stdout) == 0 ? kDone : kInternalError;

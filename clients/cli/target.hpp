@@ -14,16 +14,17 @@ namespace cairn::cli {
 /// Whom a verb asks: the daemon that serves a domain or, where a folder is named, its data folder.
 struct Target {
   std::uint32_t domain = 0;
+  dds::Network network{};
   std::string folder;
   double timeout_s = 5.0;  ///< for a daemon to appear
 
   [[nodiscard]] bool is_folder() const { return !folder.empty(); }
 };
 
-/// Adds --domain, --data and --timeout.
+/// Adds --domain, --data, --timeout, --profile and --interface.
 void add_target(CLI::App& verb, Target& target);
-/// Adds --domain and --timeout.
-void add_daemon(CLI::App& verb, Target& target);
+/// Adds --profile and --interface: how a daemon on another machine is reached.
+void add_network(CLI::App& verb, dds::Network& network);
 
 /// A client that watches and commands, and the daemon's first word. kUnreachable where none
 /// answers, with what to do.
@@ -40,9 +41,14 @@ Result<std::unique_ptr<Journal>> open_for_reading(const std::string& folder);
 /// for writing would mend it, and that is the daemon's to do.
 Result<void> check_sound(const std::string& folder);
 
-/// The answer of the daemon or of the folder: the same text.
-Result<std::string> ask(const Target& target, const Question& question);
+/// For answers that take a daemon some work.
+inline constexpr std::chrono::minutes kLongWork{10};
+/// The answer of the daemon, for which `patience` waits once one is there, or of the folder: the
+/// same text.
+Result<std::string> ask(const Target& target, const Question& question,
+                        std::chrono::seconds patience = kLongWork);
 /// Prints it, and gives the exit code.
-int ask_and_print(const Target& target, const Question& question);
+int ask_and_print(const Target& target, const Question& question,
+                  std::chrono::seconds patience = kLongWork);
 
 }  // namespace cairn::cli
