@@ -120,6 +120,7 @@ class DdsTransport final : public Transport {
                                 const Sender& sender, TransportListener& listener);
   int take_clients(TransportListener& listener);
   int take_payloads(TransportListener& listener);
+  void refuse(const cairn_wire_Payload& sample, std::string reason);
   int take_commands(TransportListener& listener);
   int take_rivals(TransportListener& listener);
 
@@ -227,6 +228,16 @@ int DdsTransport::take_clients(TransportListener& listener) {
       });
 }
 
+void DdsTransport::refuse(const cairn_wire_Payload& sample, std::string reason) {
+  PayloadReceipt receipt{.source = sample.source,
+                         .epoch = sample.epoch,
+                         .number = sample.number,
+                         .answer = PayloadAnswer::kRefused,
+                         .reason = std::move(reason)};
+  std::copy_n(sample.content, receipt.hash.size(), receipt.hash.begin());
+  publish(receipt);
+}
+
 int DdsTransport::take_payloads(TransportListener& listener) {
   return endpoints_->payload.take([&](const cairn_wire_Payload& sample,
                                       const dds_sample_info_t& info) {
@@ -234,8 +245,10 @@ int DdsTransport::take_payloads(TransportListener& listener) {
     auto payload = wire::from_wire(sample);
     if (payload)
       listener.on_payload(std::move(*payload), {.writer = sample.writer, .arrived_ns = now_ns()});
-    else
+    else if (sample.source == nullptr || !limits::check_name("source", sample.source))
       listener.on_trouble(payload.error());
+    else
+      refuse(sample, payload.error().message);
   });
 }
 

@@ -36,6 +36,7 @@ Result<void> Service::start() {
   started_ns_ = wall_clock_ns();
   if (auto replayed = rebuild(); !replayed) return replayed;
   if (auto started = transport_.start(*this); !started) return started;
+  payloads_.start();
   last_input_ = std::chrono::steady_clock::now();
   announce_opening();
   if (journal_.open_report().damage) refill_.begin(Refill::Clock::now());
@@ -64,6 +65,7 @@ void Service::announce_opening() {
 
 bool Service::stop(std::optional<std::chrono::milliseconds> patience) {
   transport_.stop();
+  payloads_.stop();
   {
     const std::lock_guard lock(mutex_);
     stopping_ = true;
@@ -131,9 +133,7 @@ void Service::on_source_lost(std::string source, const Sender& sender) {
   post(Lost{std::move(source), sender.writer});
 }
 void Service::on_payload(Payload payload, const Sender& /*sender*/) {
-  transport_.publish(PayloadReceipt{payload.source, payload.epoch, payload.number, payload.hash,
-                                    PayloadAnswer::kRefused,
-                                    "this version of the daemon keeps no payloads"});
+  payloads_.take(std::move(payload));
 }
 void Service::on_command(Command command) { post(std::move(command)); }
 void Service::on_rival(Status rival) {
@@ -260,11 +260,15 @@ void Service::commit(Sequencer::Outcome outcome) {
   if (!outcome.decisions.empty()) {
     std::vector<Receipt> receipts;
     std::vector<RecordBody> records;
+    std::vector<std::pair<TransactionKey, ContentHash>> named;
     Revision revision = journal_.head().revision;
     const std::int64_t now = wall_clock_ns();
     for (Decision& decision : outcome.decisions) {
       ++revision.number;
       receipts.push_back({decision.transaction.key, revision, decision.refusal, decision.reason});
+      for (const NewFactor& factor : decision.transaction.factors)
+        for (const ContentHash& hash : factor.payloads)
+          named.emplace_back(decision.transaction.key, hash);
       records.push_back(record_of(std::move(decision), now));
     }
     pass(ServicePoint::kBeforeCommit);
@@ -284,6 +288,7 @@ void Service::commit(Sequencer::Outcome outcome) {
       changed_spools_.emplace(receipt.key.source, receipt.key.epoch);
       refill_.decided(receipt.key, Refill::Clock::now());
     }
+    for (const auto& [key, hash] : named) payloads_.expect({key.source, key.epoch}, hash);
   }
   for (const Receipt& answer : outcome.answers) transport_.publish(answer);
   state_changed_ |= !outcome.decisions.empty() || !outcome.answers.empty();

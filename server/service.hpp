@@ -18,6 +18,7 @@
 #include "cairn/replay/settle.hpp"
 #include "server/commands.hpp"
 #include "server/estimate_publisher.hpp"
+#include "server/payload_store.hpp"
 #include "server/refill.hpp"
 #include "server/sequencer.hpp"
 #include "server/transport.hpp"
@@ -49,6 +50,7 @@ struct ServiceOptions {
   std::size_t inbox_bytes = 256u << 20;
   SequencerLimits limits{};
   Refill::Patience refill{};
+  PayloadStore::Options payloads{};
   /// Told what is published as an event, for the log. From any thread.
   std::function<void(const Event&)> on_event{};
   /// For tests that end the process there. From any thread.
@@ -163,6 +165,7 @@ class Service final : private TransportListener {
   std::optional<double> chi2_;          ///< of the last solve, where this process knows it
   std::optional<Revision> unsolvable_;  ///< the map of which the last solve failed
   std::uint64_t snapshot_at_ = 0;       ///< the record that the newest snapshot is after
+  PayloadStore payloads_{journal_, transport_, options_.payloads};
   Refill refill_{options_.refill};
   int eras_raised_ = 0;                      ///< by clients' receipts
   std::set<Writers::Spool> changed_spools_;  ///< their state is to be published

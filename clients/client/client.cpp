@@ -26,8 +26,8 @@ Result<std::filesystem::path> spool_folder(const ClientOptions& options) {
   return Error{ErrorCode::kUsage, "neither HOME nor XDG_STATE_HOME is set; say where the spool is"};
 }
 
-Result<std::optional<Spool>> open_spool(const ClientOptions& options) {
-  if (options.source.empty()) return std::optional<Spool>();
+Result<std::optional<ClientSpools>> open_spools(const ClientOptions& options) {
+  if (options.source.empty()) return std::optional<ClientSpools>();
   if (auto ok = limits::check_name("source", options.source); !ok)
     return Error{ErrorCode::kUsage, ok.error().message};
   auto folder = spool_folder(options);
@@ -35,7 +35,9 @@ Result<std::optional<Spool>> open_spool(const ClientOptions& options) {
   auto spool = Spool::open(
       {.folder = *folder, .source = options.source, .most_bytes = options.spool_most_bytes});
   if (!spool) return spool.error();
-  return std::optional<Spool>(std::move(*spool));
+  auto payloads = PayloadSpool::open(*folder / "payloads", options.spool_most_bytes);
+  if (!payloads) return payloads.error();
+  return std::optional<ClientSpools>(ClientSpools{std::move(*spool), std::move(*payloads)});
 }
 
 }  // namespace
@@ -61,9 +63,9 @@ Result<Client> Client::connect(const ClientOptions& options) {
 }
 
 Result<Client> Client::connect(const ClientOptions& options, const MakeLink& make_link) {
-  auto spool = open_spool(options);
-  if (!spool) return spool.error();
-  auto engine = std::make_unique<Engine>(options, std::move(*spool), make_link);
+  auto spools = open_spools(options);
+  if (!spools) return spools.error();
+  auto engine = std::make_unique<Engine>(options, std::move(*spools), make_link);
   if (auto started = engine->start(); !started) return started.error();
   return Client(std::move(engine));
 }
@@ -86,6 +88,11 @@ Result<Submission> Client::submit_async(Transaction transaction) {
   if (!state) return state.error();
   return Submission(std::move(*state));
 }
+
+Result<ContentHash> Client::send_payload(const std::string& type, const std::string& bytes) {
+  return engine_->send_payload(type, bytes);
+}
+std::uint64_t Client::unstored_payloads() const { return engine_->unstored_payloads(); }
 
 void Client::on_poses(std::function<void(const PoseUpdate&)> callback) {
   engine_->watch_poses(std::move(callback));

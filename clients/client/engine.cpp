@@ -29,15 +29,18 @@ std::int64_t now_ns() {
 
 }  // namespace
 
-Client::Engine::Engine(const ClientOptions& options, std::optional<Spool> spool,
+Client::Engine::Engine(const ClientOptions& options, std::optional<ClientSpools> spools,
                        const MakeLink& make_link)
     : options_(options),
-      identity_{
-          .source = options.source, .epoch = spool ? spool->epoch() : 0, .writer = random_number()},
+      identity_{.source = options.source,
+                .epoch = spools ? spools->transactions.epoch() : 0,
+                .writer = random_number()},
       link_(make_link(identity_)),
-      spool_(std::move(spool)),
+      spool_(spools ? std::optional(std::move(spools->transactions)) : std::nullopt),
       outgoing_(spool_ ? spool_->next_sequence() : 1, {options.retry_first, options.retry_most}) {
   if (!spool_) return;
+  payloads_ = std::make_unique<PayloadSender>(std::move(spools->payloads), identity_, *link_,
+                                              [this](Error error) { tell(std::move(error)); });
   first_of_run_ = next_sequence_ = spool_->next_sequence();
   last_spooled_ = next_sequence_ - 1;
   oldest_kept_ = spool_->oldest_kept();
@@ -48,6 +51,7 @@ Result<void> Client::Engine::start() {
   if (auto started = link_->start(*this); !started) return started;
   if (!spool_) return {};
   tell_daemon(true);
+  payloads_->start();
   worker_ = std::thread([this] { work(); });
   return {};
 }
@@ -59,6 +63,7 @@ Client::Engine::~Engine() {
   }
   work_.notify_all();
   if (worker_.joinable()) worker_.join();
+  if (payloads_) payloads_->stop();
   link_->stop();
   for (auto& [sequence, handle] : waiting_)
     handle->finish(
@@ -94,6 +99,16 @@ Result<Client::Engine::Handle> Client::Engine::submit(Transaction transaction) {
 std::uint64_t Client::Engine::next_sequence() const {
   const std::lock_guard lock(mutex_);
   return next_sequence_;
+}
+
+Result<ContentHash> Client::Engine::send_payload(const std::string& type,
+                                                 const std::string& bytes) {
+  if (!payloads_) return Error{ErrorCode::kUsage, "connect with a source to send payloads"};
+  return payloads_->take(type, bytes);
+}
+
+std::uint64_t Client::Engine::unstored_payloads() const {
+  return payloads_ ? payloads_->waiting() : 0;
 }
 
 std::uint64_t Client::Engine::undecided() const {
@@ -247,12 +262,14 @@ void Client::Engine::on_receipt(Receipt receipt) {
 
 void Client::Engine::on_source_state(SourceState state) {
   std::optional<Error> loss;
+  bool new_daemon = false;
   {
     const std::lock_guard lock(mutex_);
     const bool first = !daemon_;
     const bool other_store = daemon_ && (daemon_->revision.store != state.revision.store ||
                                          daemon_->revision.era != state.revision.era);
-    if (!daemon_ || daemon_->daemon_ns != state.daemon_ns) {
+    new_daemon = !daemon_ || daemon_->daemon_ns != state.daemon_ns;
+    if (new_daemon) {
       news_for_daemon_ = true;
       told_daemon_ = {};
     }
@@ -276,6 +293,7 @@ void Client::Engine::on_source_state(SourceState state) {
     daemon_ = std::move(state);
   }
   work_.notify_one();
+  if (new_daemon) payloads_->meet_daemon();
   if (loss) tell(std::move(*loss));
 }
 

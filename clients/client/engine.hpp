@@ -15,6 +15,7 @@
 
 #include "clients/client/client.hpp"
 #include "clients/client/outgoing.hpp"
+#include "clients/client/payload_sender.hpp"
 #include "clients/client/spool.hpp"
 
 namespace cairn {
@@ -34,6 +35,12 @@ struct Submission::State {
   }
 };
 
+/// What a source keeps on disk.
+struct ClientSpools {
+  Spool transactions;
+  PayloadSpool payloads;
+};
+
 /// What a Client is made of. Three kinds of threads meet here: callers, the link's thread (receipts
 /// and everything else that arrives), and the worker, which alone touches the spool and sends
 /// transactions. mutex_ guards what they share; callbacks are called without it.
@@ -41,11 +48,14 @@ class Client::Engine final : public LinkListener {
  public:
   using Handle = std::shared_ptr<Submission::State>;
 
-  Engine(const ClientOptions& options, std::optional<Spool> spool, const MakeLink& make_link);
+  Engine(const ClientOptions& options, std::optional<ClientSpools> spools,
+         const MakeLink& make_link);
   ~Engine() override;
   Result<void> start();
 
   Result<Handle> submit(Transaction transaction);
+  Result<ContentHash> send_payload(const std::string& type, const std::string& bytes);
+  [[nodiscard]] std::uint64_t unstored_payloads() const;
   Result<void> wait(const Revision& revision, Revision EstimateRevisions::*which,
                     std::chrono::milliseconds timeout);
   Result<std::string> command(const std::string& text, std::chrono::milliseconds timeout);
@@ -96,6 +106,7 @@ class Client::Engine final : public LinkListener {
   ClientOptions options_;
   Link::Identity identity_;
   std::unique_ptr<Link> link_;
+  std::unique_ptr<PayloadSender> payloads_;  // null without a source
   std::thread worker_;
   std::atomic<std::thread::id> callback_thread_{};
 

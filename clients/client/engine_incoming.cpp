@@ -84,8 +84,9 @@ void Client::Engine::on_event(Event event) {
   if (event_callback_) event_callback_(event);
 }
 
-// Payloads are not sent by this library yet, so none can be answered.
-void Client::Engine::on_payload_receipt(PayloadReceipt /*receipt*/) {}
+void Client::Engine::on_payload_receipt(PayloadReceipt receipt) {
+  if (payloads_) payloads_->receive(receipt);
+}
 
 void Client::Engine::on_reply(Reply reply) {
   {

@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <chrono>
+#include <condition_variable>
+#include <cstdint>
+#include <deque>
+#include <map>
+#include <mutex>
+#include <set>
+#include <string>
+#include <thread>
+#include <utility>
+
+#include "cairn/journal/journal.hpp"
+#include "server/transport.hpp"
+
+namespace cairn {
+
+/// Keeps payloads in the journal's store and answers for them, on a thread of its own: nobody waits
+/// for megabytes to be synced. Asks for those that accepted transactions name and nobody has sent.
+class PayloadStore {
+ public:
+  using Spool = std::pair<std::string, std::uint64_t>;  ///< source and epoch
+  struct Options {
+    std::size_t queue_bytes = 128u << 20;      ///< beyond, payloads are `busy`
+    std::chrono::milliseconds patience{2000};  ///< until a missing one is asked for
+    std::chrono::milliseconds ask_again{10'000};
+    int questions = 6;             ///< then it is given up
+    std::size_t missing = 10'000;  ///< asked for at a time
+  };
+
+  PayloadStore(Journal& journal, Transport& transport, Options options)
+      : journal_(journal), transport_(transport), options_(options) {}
+  ~PayloadStore() { stop(); }
+
+  void start();
+  void stop();
+  /// From any thread.
+  void take(Payload payload);
+  /// An accepted transaction of this spool names the payload. From any thread.
+  void expect(const Spool& spool, const ContentHash& hash);
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  struct Missing {
+    Spool spool;
+    Clock::time_point ask_at;
+    int questions = 0;
+  };
+  using Lock = std::unique_lock<std::mutex>;
+
+  void run();
+  void store(const Payload& payload);
+  void ask(Lock& lock);
+  void answer(const Payload& payload, PayloadAnswer answer, std::string reason = {});
+
+  Journal& journal_;
+  Transport& transport_;
+  Options options_;
+
+  std::mutex mutex_;  // guards what follows
+  std::condition_variable changed_;
+  std::deque<Payload> queue_;
+  std::size_t queued_bytes_ = 0;
+  std::map<ContentHash, Missing> missing_;
+  std::set<ContentHash> stored_;  ///< in this run, the last thousands: need not be looked up
+  bool stopping_ = false;
+  std::thread thread_;
+};
+
+}  // namespace cairn
