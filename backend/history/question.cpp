@@ -17,6 +17,8 @@ constexpr std::array kVerbs{Verb{"log", answer_log}, Verb{"show", answer_show},
                             Verb{"diff", answer_diff}, Verb{"export graph", answer_export_graph},
                             Verb{"export trajectory", answer_export_trajectory}};
 
+constexpr std::size_t kQuoted = 60;  // bytes of what somebody sent, in an error
+
 }  // namespace
 
 Result<Question> Question::parse(const std::string& text) {
@@ -28,7 +30,8 @@ Result<Question> Question::parse(const std::string& text) {
   question.options = nlohmann::ordered_json::parse(text.substr(brace), nullptr, false);
   if (question.options.is_object()) return question;
   return Error{ErrorCode::kUsage,
-               "'" + text + "' is no command; expected a verb and its options as a JSON object"};
+               "'" + text.substr(0, kQuoted) +
+                   "' is no command; expected a verb and its options as a JSON object"};
 }
 
 Result<void> Question::check_options(std::initializer_list<const char*> known) const {
@@ -62,8 +65,8 @@ Result<std::string> answer(const Question& question, const Asked& asked) {
     if (question.verb == verb.name) return verb.answer(question, asked);
     known += std::string(", ") + verb.name;
   }
-  return Error{ErrorCode::kUsage,
-               "unknown command '" + question.verb + "'; known: status, settle, backup" + known};
+  return Error{ErrorCode::kUsage, "unknown command '" + question.verb.substr(0, kQuoted) +
+                                      "'; known: status, settle, backup" + known};
 }
 
 std::string dump(const nlohmann::ordered_json& json, int indent) {

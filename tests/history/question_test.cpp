@@ -41,6 +41,16 @@ TEST(Question, IsRefusedWhereItIsNone) {
       question.check_options({"limit"}).error().message.starts_with("log has no option 'newest'"));
 }
 
+// A megabyte of brackets, as somebody on the network may send it.
+TEST(Question, EndsNobodyByItsDepth) {
+  const std::size_t depth = 500'000;
+  const std::string nested = std::string(depth, '[') + std::string(depth, ']');
+  const auto deep = Question::parse("log {\"limit\":" + nested + "}");
+  ASSERT_TRUE(deep);
+  EXPECT_EQ(deep->number("limit", 7), 7u);
+  EXPECT_FALSE(Question::parse("log {\"limit\":" + nested));
+}
+
 TEST(NamedFiles, TravelAsOneText) {
   const NamedFiles files{{"graph", "line\n[not a header]\n"}, {"empty", ""}, {"ids", "1,2\n"}};
   const std::string text = join_files(files);
