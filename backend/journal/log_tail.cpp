@@ -55,9 +55,11 @@ Fragment fragment_at(std::string_view log, std::size_t place) {
   return fragment;
 }
 
-bool begins_a_write(const Fragment& fragment) {
+constexpr std::size_t kLeastWrite = 12;  // of a log; the MANIFEST has shorter ones
+
+bool begins_a_write(const Fragment& fragment, std::size_t least_write) {
   return fragment.whole && (fragment.type == kFull || fragment.type == kFirst) &&
-         fragment.data.size() >= 12;
+         fragment.data.size() >= least_write;
 }
 
 struct Log {
@@ -74,7 +76,7 @@ std::size_t skip_padding(std::size_t place) {
   return in_block + kHeaderSize > kBlockSize ? place - in_block + kBlockSize : place;
 }
 
-Log inspect(std::string_view bytes) {
+Log inspect(std::string_view bytes, std::size_t least_write = kLeastWrite) {
   Log log;
   bool inside = false;
   std::uint64_t after = 0;  // the sequence after the write that is being read
@@ -82,7 +84,7 @@ Log inspect(std::string_view bytes) {
   for (;;) {
     place = skip_padding(place);
     const Fragment fragment = fragment_at(bytes, std::min(place, bytes.size()));
-    const bool starts = begins_a_write(fragment);
+    const bool starts = begins_a_write(fragment, least_write);
     const bool goes_on = fragment.whole && (fragment.type == kMiddle || fragment.type == kLast);
     if (place >= bytes.size() || !(inside ? goes_on : starts)) break;
     if (starts) {
@@ -104,7 +106,7 @@ Log inspect(std::string_view bytes) {
   bool first = true;
   while (place < bytes.size() && !log.write_after_the_break) {
     const Fragment fragment = fragment_at(bytes, place);
-    log.write_after_the_break = begins_a_write(fragment);
+    log.write_after_the_break = begins_a_write(fragment, least_write);
     const bool follow = (fragment.whole || first) && !fragment.data.empty();
     place = follow ? skip_padding(place + kHeaderSize + fragment.data.size())
                    : place - place % kBlockSize + kBlockSize;
@@ -138,6 +140,22 @@ LogInspection inspect_logs(const DataFolder& folder, const std::string& store) {
     if (found.damage) break;
   }
   return found;
+}
+
+Result<std::optional<std::string>> cut_torn_manifest(const DataFolder& folder,
+                                                     const std::string& store) {
+  std::string current = folder.read(store + "/CURRENT").value_or("");
+  while (current.ends_with('\n')) current.pop_back();
+  const std::string name = store + '/' + current;
+  const std::optional<std::string> bytes = folder.read(name);
+  if (current.rfind("MANIFEST-", 0) != 0 || !bytes) return std::optional<std::string>{};
+  const Log manifest = inspect(*bytes, 1);
+  if (manifest.clean || manifest.good_end == 0 || manifest.write_after_the_break)
+    return std::optional<std::string>{};
+  const Result<void> written = folder.write(name, bytes->substr(0, manifest.good_end));
+  if (!written) return written.error();
+  return std::optional(folder.path(name) + ", byte " + std::to_string(manifest.good_end) +
+                       ": a write that did not finish");
 }
 
 }  // namespace cairn

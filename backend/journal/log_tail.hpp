@@ -20,4 +20,10 @@ struct LogInspection {
 /// before it, so a whole write behind a broken one proves damage.
 LogInspection inspect_logs(const DataFolder& folder, const std::string& store);
 
+/// Cuts off a last write to the MANIFEST that did not finish: what it was to say was not acted upon
+/// yet. RocksDB takes some of these for damage. Gives "FILE, byte N: what"; nothing where the
+/// MANIFEST is whole, or broken otherwise.
+Result<std::optional<std::string>> cut_torn_manifest(const DataFolder& folder,
+                                                     const std::string& store);
+
 }  // namespace cairn

@@ -53,8 +53,11 @@ class Opening {
     if (status.IsCorruption()) {
       const LogInspection logs = inspect_logs(folder_, kStore);
       if (logs.damage) return replace(*logs.damage);
-      opened_.report.cut_tail = logs.torn_tail;
-      if (logs.torn_tail) status = open(Store::Mode::kCutTail, store);
+      const auto manifest = cut_torn_manifest(folder_, kStore);
+      if (!manifest) return manifest.error();
+      opened_.report.cut_tail = logs.torn_tail ? logs.torn_tail : *manifest;
+      if (opened_.report.cut_tail)
+        status = open(logs.torn_tail ? Store::Mode::kCutTail : Store::Mode::kStrict, store);
     }
     if (says_nothing_of_the_store(status)) return storage_error(status, folder_.path(kStore));
     if (!status.ok()) return replace(status.ToString());

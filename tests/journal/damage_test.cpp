@@ -149,6 +149,18 @@ TEST_F(Damage, OfTheManifestIsFound) {
   cut(store_file("MANIFEST"), 20, 0);
 }
 
+// What a power failure leaves of an append: a header without its data, and data without theirs.
+TEST_F(Damage, IsNotWhatAWriteToTheManifestLeftThatDidNotFinish) {
+  const std::string nothing(60, '\0'), header("\x11\x22\x33\x44\x32\x00\x01", 7);
+  for (const std::string& tail : {header + nothing, header + std::string(60, 'x'), header}) {
+    bool damage = false;
+    const std::uint64_t head = head_after(
+        store_file("MANIFEST"), [&](std::string& bytes) { bytes += tail; }, damage);
+    EXPECT_EQ(head, kRecords) << told_;
+    EXPECT_FALSE(damage) << told_;
+  }
+}
+
 TEST_F(Damage, OfTheCurrentFileLosesNoRecord) {
   flip_bits("CURRENT", 4, kRecords);
   cut("CURRENT", 2, kRecords);

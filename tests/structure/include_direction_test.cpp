@@ -80,8 +80,9 @@ std::vector<Include> includes_under(const std::string& folder) {
 }
 
 // The n-th folder of a path: part("backend/io/g2o.cpp", 1) = "io".
-std::string part(const std::string& path, int n) {
-  auto folder = fs::path(path).begin();
+std::string part(const std::string& name, int n) {
+  const fs::path path(name);
+  auto folder = path.begin();
   std::advance(folder, n);
   return folder->string();
 }
