@@ -2,9 +2,11 @@
 // Records of version 1 as they were written once. They must be read for ever.
 #include <gtest/gtest.h>
 
+#include <cstdlib>
 #include <fstream>
 
 #include "tests/journal/records.hpp"
+#include "tests/support/process.hpp"
 
 namespace cairn {
 namespace {
@@ -34,6 +36,53 @@ TEST(StoredRecords, OfVersionOneAreReadAndContinueTheirChain) {
   }
   EXPECT_EQ(number, 20u);
   EXPECT_EQ(to_string(chain), "a83b4cda14b12c6f31c2fb93df0da0b4220413705f85282bc9d1f774df2359ad");
+}
+
+constexpr std::uint64_t kRecords = 300;
+
+// How the stored folder was made; with CAIRN_WRITE_FIXTURE it is made again, there.
+TEST(StoredFolder, CanBeMadeAgain) {
+  const test::TemporaryFolder folder;
+  const char* given = std::getenv("CAIRN_WRITE_FIXTURE");
+  const std::string data = given ? given : folder.file("data");
+  JournalOptions options;
+  options.write_buffer_bytes = 64u << 10;  // tables as well as logs
+  {
+    const auto journal = test::open_journal(data, options);
+    test::append_some(*journal, 1, kRecords / 2);
+    ASSERT_TRUE(journal->put_payload(std::string(5000, 's')));
+    ASSERT_TRUE(journal->write_snapshot(kRecords / 2, "estimates"));
+  }
+  const auto journal = test::open_journal(data, options);
+  test::append_some(*journal, kRecords / 2 + 1, kRecords);
+  EXPECT_EQ(journal->head().chain, test::some_chain(kRecords).back());
+}
+
+// A data folder of format 1, written by Cairn 0.1.0. Every later version must open it.
+TEST(StoredFolder, OfFormatOneIsOpenedWholeAndGoesOn) {
+  const test::TemporaryFolder folder;
+  const std::string archive = CAIRN_SOURCE_DIR "/tests/journal/fixtures/data_folder_1.tar.gz";
+  const test::ProcessResult unpacked =
+      test::Process({"/bin/tar", "xzf", archive, "-C", folder.path()}).wait();
+  ASSERT_EQ(unpacked.exit_code, 0) << unpacked.err;
+  const std::string data = folder.file("data_folder_1");
+  {
+    const auto journal = test::open_journal(data);
+    EXPECT_FALSE(journal->open_report().created);
+    EXPECT_FALSE(journal->open_report().damage);
+    EXPECT_EQ(journal->head().revision.number, kRecords);
+    EXPECT_EQ(journal->head().revision.era, 0U);
+    EXPECT_EQ(journal->head().chain, test::some_chain(kRecords).back());
+    const auto payload = journal->read_payload(content_hash(std::string(5000, 's')));
+    ASSERT_TRUE(payload) << payload.error().to_string();
+    EXPECT_EQ(payload->size(), 5000U);
+    ASSERT_TRUE(journal->newest_snapshot());
+    EXPECT_EQ(journal->newest_snapshot()->bytes, "estimates");
+    const auto sound = journal->verify();
+    EXPECT_TRUE(sound) << sound.error().to_string();
+    EXPECT_TRUE(journal->append(test::some_records(kRecords + 1, kRecords + 1)));
+  }
+  EXPECT_EQ(test::open_journal(data)->head().chain, test::some_chain(kRecords + 1).back());
 }
 
 }  // namespace
