@@ -11,6 +11,7 @@
 #include "cairn/io/graph_file.hpp"
 #include "clients/client/client.hpp"
 #include "tests/support/datasets.hpp"
+#include "tests/support/own_domain.hpp"
 #include "tests/support/process.hpp"
 
 namespace {
@@ -19,7 +20,7 @@ using namespace cairn::test;
 using nlohmann::json;
 using testing::HasSubstr;
 
-std::string own_domain() { return std::to_string(1 + getpid() % 97); }
+std::string own_domain() { return std::to_string(cairn::test::own_domain()); }
 
 // A daemon of its own for each test, and what is asked of it.
 class DaemonVerbs : public testing::Test {
