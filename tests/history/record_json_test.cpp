@@ -32,8 +32,9 @@ TEST(RecordJson, TellsEveryKindOfRecord) {
   EXPECT_EQ(summarize(record(17)), "conflict: node 17 exists already");
   EXPECT_EQ(to_json(record(17))["reason"], "node 17 exists already");
   EXPECT_EQ(kind_of(record(1)), "transaction");
-  const auto json = to_json(record(1));
-  const auto& sent = std::get<Transaction>(std::get<TransactionRecord>(record(1).body).outcome);
+  const Record first = record(1);
+  const auto json = to_json(first);
+  const auto& sent = std::get<Transaction>(std::get<TransactionRecord>(first.body).outcome);
   EXPECT_EQ(json["variables"].size(), sent.variables.size());
   EXPECT_EQ(json["factors"].size(), sent.factors.size());
   EXPECT_EQ(json["era"], 2);
