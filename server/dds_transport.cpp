@@ -44,28 +44,21 @@ struct Endpoints {
   dds::Writer<cairn_wire_Event> event;
   dds::Writer<cairn_wire_Reply> reply;
 
-  template <class... E>
-  static Result<Endpoints> collect(Result<E>... made) {
-    std::optional<Error> error;
-    ((made ? void() : void(error = made.error())), ...);
-    if (error) return *error;
-    return Endpoints{std::move(*made)...};
-  }
   static Result<Endpoints> make(const dds::Participant& in, const dds::TroubleHandler* trouble) {
-    return collect(dds::Reader<cairn_wire_Transaction>::make(in, trouble),
-                   dds::Reader<cairn_wire_Client_state>::make(in, trouble),
-                   dds::Reader<cairn_wire_Payload>::make(in, trouble),
-                   dds::Reader<cairn_wire_Command>::make(in, trouble),
-                   dds::Reader<cairn_wire_Status>::make(in, trouble),
-                   dds::Writer<cairn_wire_Receipt>::make(in, trouble),
-                   dds::Writer<cairn_wire_Source_state>::make(in, trouble),
-                   dds::Writer<cairn_wire_Payload_receipt>::make(in, trouble),
-                   dds::Writer<cairn_wire_Poses>::make(in, trouble),
-                   dds::Writer<cairn_wire_Landmarks>::make(in, trouble),
-                   dds::Writer<cairn_wire_Correction>::make(in, trouble),
-                   dds::Writer<cairn_wire_Status>::make(in, trouble),
-                   dds::Writer<cairn_wire_Event>::make(in, trouble),
-                   dds::Writer<cairn_wire_Reply>::make(in, trouble));
+    return dds::collect<Endpoints>(dds::Reader<cairn_wire_Transaction>::make(in, trouble),
+                                   dds::Reader<cairn_wire_Client_state>::make(in, trouble),
+                                   dds::Reader<cairn_wire_Payload>::make(in, trouble),
+                                   dds::Reader<cairn_wire_Command>::make(in, trouble),
+                                   dds::Reader<cairn_wire_Status>::make(in, trouble),
+                                   dds::Writer<cairn_wire_Receipt>::make(in, trouble),
+                                   dds::Writer<cairn_wire_Source_state>::make(in, trouble),
+                                   dds::Writer<cairn_wire_Payload_receipt>::make(in, trouble),
+                                   dds::Writer<cairn_wire_Poses>::make(in, trouble),
+                                   dds::Writer<cairn_wire_Landmarks>::make(in, trouble),
+                                   dds::Writer<cairn_wire_Correction>::make(in, trouble),
+                                   dds::Writer<cairn_wire_Status>::make(in, trouble),
+                                   dds::Writer<cairn_wire_Event>::make(in, trouble),
+                                   dds::Writer<cairn_wire_Reply>::make(in, trouble));
   }
 };
 

@@ -46,23 +46,6 @@ Result<void> Service::start() {
   return {};
 }
 
-void Service::announce_opening() {
-  const OpenReport& report = journal_.open_report();
-  const Revision& head = head_.graph().graph_revision;
-  if (report.cut_tail) {
-    announce(
-        Severity::kWarning, "cut_tail",
-        "cut off a write that never finished; nothing acknowledged is lost: " + *report.cut_tail,
-        head);
-  }
-  if (!report.damage) return;
-  const OpenReport::Damage& damage = *report.damage;
-  damage_ = damage.what + "; records up to " + std::to_string(damage.kept) +
-            " are served, clients send the rest again" +
-            (damage.set_aside.empty() ? "" : ", what was found is kept in " + damage.set_aside);
-  announce(Severity::kError, "damage", damage_, head);
-}
-
 bool Service::stop(std::optional<std::chrono::milliseconds> patience) {
   transport_.stop();
   payloads_.stop();
@@ -140,22 +123,6 @@ void Service::on_rival(Status rival) {
   if (rival.started_ns < started_ns_)
     fail({ErrorCode::kUsage, "another daemon serves this domain: stop it, or take another domain",
           rival.host});
-}
-// One a second: strangers can make any number of them.
-void Service::on_trouble(Error error) {
-  std::string text = error.to_string();
-  {
-    const std::lock_guard lock(mutex_);
-    const auto now = std::chrono::steady_clock::now();
-    if (now - trouble_told_ < std::chrono::seconds(1)) {
-      ++troubles_untold_;
-      return;
-    }
-    trouble_told_ = now;
-    if (const auto untold = std::exchange(troubles_untold_, 0); untold > 0)
-      text += "; before it " + std::to_string(untold) + " others within a second of one";
-  }
-  announce(Severity::kWarning, "transport", std::move(text));
 }
 
 void Service::post(Message message) {

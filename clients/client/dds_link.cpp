@@ -43,16 +43,9 @@ struct Endpoints {
   dds::Writer<cairn_wire_Payload> payload;
   dds::Writer<cairn_wire_Command> command;
 
-  template <class... E>
-  static Result<Endpoints> collect(Result<E>... made) {
-    std::optional<Error> error;
-    ((made ? void() : void(error = made.error())), ...);
-    if (error) return *error;
-    return Endpoints{std::move(*made)...};
-  }
   static Result<Endpoints> make(const dds::Participant& in, const dds::TroubleHandler* trouble,
                                 Link::Identity* identity) {
-    return collect(
+    return dds::collect<Endpoints>(
         dds::Reader<cairn_wire_Receipt>::make(in, trouble, {is_for<cairn_wire_Receipt>, identity}),
         dds::Reader<cairn_wire_Source_state>::make(in, trouble,
                                                    {is_for<cairn_wire_Source_state>, identity}),

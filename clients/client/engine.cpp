@@ -45,6 +45,7 @@ Client::Engine::Engine(const ClientOptions& options, std::optional<ClientSpools>
   last_spooled_ = next_sequence_ - 1;
   oldest_kept_ = spool_->oldest_kept();
   spool_bytes_ = spool_->bytes();
+  promise_ = remembered_ = spool_->promise();
 }
 
 Result<void> Client::Engine::start() {
@@ -144,13 +145,14 @@ void Client::Engine::work() {
   for (;;) {
     wait_for_work(lock);
     if (!taken_.empty()) spool_taken(lock);
-    if (stopping_ && taken_.empty()) return;
+    if (stopping_ && taken_.empty()) return remember_promise(lock);
     if (!daemon_) continue;
     // Before transactions: what we were promised may tell the daemon that its store lost its end.
     if (news_for_daemon_ || Outgoing::Clock::now() >= told_daemon_ + kHeartbeat) {
       lock.unlock();
       tell_daemon(false);
       lock.lock();
+      remember_promise(lock);
     }
     send_due();
     send_next(lock);
@@ -222,6 +224,15 @@ void Client::Engine::send_due() {
     if (!link_->send(*transaction)) outgoing_.postpone(transaction->key.sequence, now);
 }
 
+// For the next run: a store that loses its end meanwhile is found out by it.
+void Client::Engine::remember_promise(Lock& lock) {
+  if (remembered_ == promise_) return;
+  remembered_ = promise_;
+  lock.unlock();
+  spool_->remember(remembered_);
+  lock.lock();
+}
+
 void Client::Engine::tell_daemon(bool now) {
   ClientState state{.source = identity_.source, .epoch = identity_.epoch, .robot = options_.robot};
   {
@@ -230,8 +241,8 @@ void Client::Engine::tell_daemon(bool now) {
     if (!now && time < told_daemon_ + kTellDaemon) return;
     told_daemon_ = time;
     news_for_daemon_ = false;
-    state.highest_decided = receipted_sequence_;
-    state.receipted = receipted_;
+    state.highest_decided = promise_.sequence;
+    state.receipted = promise_.revision;
     state.oldest_kept = oldest_kept_;
     if (daemon_) state.daemon_ns = daemon_->daemon_ns;
   }
@@ -245,9 +256,9 @@ void Client::Engine::on_receipt(Receipt receipt) {
   {
     const std::lock_guard lock(mutex_);
     if (outgoing_.receive(receipt, Outgoing::Clock::now())) {
-      if (receipted_.store != receipt.revision.store || receipted_ < receipt.revision)
-        receipted_ = receipt.revision;
-      receipted_sequence_ = std::max(receipted_sequence_, receipt.key.sequence);
+      if (promise_.revision.store != receipt.revision.store || promise_.revision < receipt.revision)
+        promise_.revision = receipt.revision;
+      promise_.sequence = std::max(promise_.sequence, receipt.key.sequence);
       news_for_daemon_ = true;
     }
     if (auto waiting = final ? waiting_.extract(receipt.key.sequence) : Waiting::node_type())

@@ -99,6 +99,7 @@ class Client::Engine final : public LinkListener {
   void fail_taken(const std::vector<Handle>& batch, const Error& error);
   void send_next(Lock& lock);
   void send_due();
+  void remember_promise(Lock& lock);
   void tell_daemon(bool now);
   void tell(Error error);
   void tell_refusal(const Receipt& receipt);
@@ -125,8 +126,8 @@ class Client::Engine final : public LinkListener {
   Outgoing outgoing_;
   std::optional<SourceState> daemon_;  // nothing: not heard of, so nothing is sent
   std::uint64_t released_ = 0;
-  Revision receipted_;
-  std::uint64_t receipted_sequence_ = 0;
+  Spool::Promise promise_;
+  Spool::Promise remembered_;  // of the worker
   Outgoing::Clock::time_point told_daemon_{};
   bool news_for_daemon_ = true;
   bool stopping_ = false;

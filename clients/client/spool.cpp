@@ -300,6 +300,32 @@ Result<std::string> Spool::read(std::uint64_t sequence) {
   }
 }
 
+Spool::Promise Spool::promise() const {
+  std::ifstream in(options_.folder / "promise");
+  std::string magic, end;
+  int version = 0;
+  Promise promise;
+  Revision& revision = promise.revision;
+  in >> magic >> version >> revision.store >> revision.era >> revision.number >> promise.sequence >>
+      end;
+  return in && magic == "cairn-promise" && version == 1 && end == "end" ? promise : Promise();
+}
+
+// Not synced: only a power loss of both sides at once needs it, and that may take the last second.
+void Spool::remember(const Promise& promise) {
+  const fs::path path = options_.folder / "promise";
+  const fs::path temporary = path.string() + ".new";
+  {
+    std::ofstream out(temporary, std::ios::trunc);
+    const Revision& revision = promise.revision;
+    out << "cairn-promise 1 " << revision.store << ' ' << revision.era << ' ' << revision.number
+        << ' ' << promise.sequence << " end\n";
+    if (!out.flush()) return;
+  }
+  std::error_code ignored;
+  fs::rename(temporary, path, ignored);
+}
+
 void Spool::release(std::uint64_t decided) {
   bool removed = false;
   while (segments_.size() > 1 && segments_[1].first <= decided + 1 &&

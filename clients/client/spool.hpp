@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "cairn/core/result.hpp"
+#include "cairn/graph/transaction.hpp"
 
 namespace cairn {
 
@@ -44,6 +45,16 @@ class Spool {
   Result<void> append(const std::vector<std::string>& records);
   /// Quickest in ascending order.
   Result<std::string> read(std::uint64_t sequence);
+  /// What the daemon has said to this spool: the newest receipt's revision, and the highest
+  /// sequence that has one. After a power loss it may be older, or nothing.
+  struct Promise {
+    Revision revision{};
+    std::uint64_t sequence = 0;
+
+    friend bool operator==(const Promise&, const Promise&) = default;
+  };
+  [[nodiscard]] Promise promise() const;
+  void remember(const Promise& promise);
   /// Sequences up to this one are in the daemon's store. They are kept while the spool is less than
   /// half full, in case the store loses its tail.
   void release(std::uint64_t decided);

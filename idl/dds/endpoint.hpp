@@ -6,6 +6,7 @@
 #include <functional>
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 
 #include "idl/dds/topics.hpp"
@@ -112,6 +113,15 @@ class Reader {
   explicit Reader(Endpoint endpoint) : endpoint_(std::move(endpoint)) {}
   Endpoint endpoint_;
 };
+
+/// An aggregate of endpoints from their making, or the last error.
+template <class Endpoints, class... E>
+Result<Endpoints> collect(Result<E>... made) {
+  std::optional<Error> error;
+  ((made ? void() : void(error = made.error())), ...);
+  if (error) return *error;
+  return Endpoints{std::move(*made)...};
+}
 
 /// Runs handlers of readers on the thread that calls run(), when there is something to take.
 class WaitLoop {

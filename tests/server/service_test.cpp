@@ -278,6 +278,28 @@ TEST_F(RefillTest, FillsAStoreThatLostItsEndInANewEra) {
   EXPECT_TRUE(told.back().starts_with("refilled: ")) << told.back();
 }
 
+TEST_F(RefillTest, RaisesTheEraEvenWhereTheClientHasRestartedToo) {
+  {
+    Client client = connect("spool");
+    {
+      const Daemon first(path("data"), network_);
+      submit(client, 0, 30);
+    }
+    std::filesystem::copy(path("data"), path("old"), std::filesystem::copy_options::recursive);
+    {
+      const Daemon second(path("data"), network_);
+      submit(client, 30, 350);
+    }
+  }
+  const Revision promised = newest_;
+  Client client = connect("spool");
+  Daemon daemon(path("old"), network_);
+  submit(client, 350, 400);
+  EXPECT_GT(newest_.era, promised.era);
+  ASSERT_TRUE(client.command("settle", 30s));
+  EXPECT_EQ(estimates(*daemon.journal), test::settled_estimates(steps_));
+}
+
 TEST_F(RefillTest, FillsABackupThatWasRestored) {
   Client client = connect("spool");
   {
