@@ -1,0 +1,158 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Stores that lost their end, filled again from clients' spools.
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <mutex>
+
+#include "clients/client/client.hpp"
+#include "server/memory_transport.hpp"
+#include "server/service.hpp"
+#include "tests/client/temporary_folder.hpp"
+#include "tests/server/drive.hpp"
+
+namespace cairn {
+namespace {
+
+using namespace std::chrono_literals;
+using test::drive;
+using test::estimates;
+
+// The store of a running client is replaced by an older one.
+class RefillTest : public testing::Test {
+ protected:
+  static constexpr Refill::Patience kPatience{100ms, 5000ms, 20000ms};
+  struct Daemon {
+    Daemon(const std::filesystem::path& folder, const MemoryNetwork& network)
+        : journal(*Journal::open(folder.string())),
+          transport(network.make_transport()),
+          service(*journal, *transport,
+                  {.solve_after_pause = 20ms, .state_every = 10ms, .refill = kPatience}) {
+      EXPECT_TRUE(service.start());
+    }
+    std::unique_ptr<Journal> journal;
+    std::unique_ptr<Transport> transport;
+    Service service;
+  };
+  Client connect(const std::string& spool) {
+    Client client = *Client::connect(
+        {.source = "test", .robot = "robot", .spool = folder_.path() / spool, .retry_most = 50ms},
+        [this](Link::Identity identity) { return network_.make_link(std::move(identity)); });
+    client.on_events([this](const Event& event) {
+      const std::lock_guard lock(mutex_);
+      events_.push_back(event.kind + ": " + event.text);
+    });
+    return client;
+  }
+  void submit(Client& client, std::size_t from, std::size_t to) {
+    std::vector<Submission> sent;
+    for (std::size_t i = from; i < to; ++i) sent.push_back(*client.submit_async(steps_[i]));
+    for (const Submission& submission : sent) {
+      const Result<Receipt> receipt = submission.wait(20s);
+      ASSERT_TRUE(receipt) << receipt.error().to_string();
+      ASSERT_FALSE(receipt->refusal) << receipt->reason;
+      newest_ = receipt->revision;
+    }
+  }
+  [[nodiscard]] std::filesystem::path path(const char* name) const { return folder_.path() / name; }
+  std::vector<std::string> events() {
+    const std::lock_guard lock(mutex_);
+    return events_;
+  }
+
+  test::TemporaryFolder folder_;
+  MemoryNetwork network_;
+  std::vector<Transaction> steps_ = drive(400);
+  Revision newest_;
+  std::mutex mutex_;
+  std::vector<std::string> events_;
+};
+
+TEST_F(RefillTest, FillsAStoreThatLostItsEndInANewEra) {
+  Client client = connect("spool");
+  {
+    const Daemon first(path("data"), network_);
+    submit(client, 0, 30);
+  }
+  std::filesystem::copy(path("data"), path("old"), std::filesystem::copy_options::recursive);
+  {
+    const Daemon second(path("data"), network_);
+    submit(client, 30, 350);
+  }
+  const Revision promised = newest_;
+  Daemon daemon(path("old"), network_);
+  submit(client, 350, 400);
+  EXPECT_GT(newest_.era, promised.era);
+  EXPECT_EQ(newest_.store, promised.store);
+  ASSERT_TRUE(client.command("settle", 30s));
+  EXPECT_EQ(estimates(*daemon.journal), test::settled_estimates(steps_));
+  EXPECT_TRUE(daemon.journal->verify());
+  const auto told = events();
+  ASSERT_FALSE(told.empty());
+  EXPECT_TRUE(told[0].starts_with("damage: the store ends at ")) << told[0];
+  EXPECT_TRUE(told.back().starts_with("refilled: ")) << told.back();
+}
+
+TEST_F(RefillTest, RaisesTheEraEvenWhereTheClientHasRestartedToo) {
+  {
+    Client client = connect("spool");
+    {
+      const Daemon first(path("data"), network_);
+      submit(client, 0, 30);
+    }
+    std::filesystem::copy(path("data"), path("old"), std::filesystem::copy_options::recursive);
+    {
+      const Daemon second(path("data"), network_);
+      submit(client, 30, 350);
+    }
+  }
+  const Revision promised = newest_;
+  Client client = connect("spool");
+  Daemon daemon(path("old"), network_);
+  submit(client, 350, 400);
+  EXPECT_GT(newest_.era, promised.era);
+  ASSERT_TRUE(client.command("settle", 30s));
+  EXPECT_EQ(estimates(*daemon.journal), test::settled_estimates(steps_));
+}
+
+TEST_F(RefillTest, FillsABackupThatWasRestored) {
+  Client client = connect("spool");
+  {
+    const Daemon first(path("data"), network_);
+    submit(client, 0, 30);
+    ASSERT_TRUE(first.journal->backup(path("backup")));
+    submit(client, 30, 350);
+  }
+  ASSERT_TRUE(Journal::restore(path("backup"), path("restored")));
+  Daemon daemon(path("restored"), network_);
+  submit(client, 350, 400);
+  ASSERT_TRUE(client.command("settle", 30s));
+  EXPECT_EQ(estimates(*daemon.journal), test::settled_estimates(steps_));
+  EXPECT_TRUE(events().back().starts_with("refilled: ")) << events().back();
+}
+
+TEST_F(RefillTest, GoesOnWithoutAClientThatIsGone) {
+  {
+    Client client = connect("spool");
+    {
+      const Daemon first(path("data"), network_);
+      submit(client, 0, 10);
+    }
+    std::filesystem::copy(path("data"), path("old"), std::filesystem::copy_options::recursive);
+    {
+      const Daemon second(path("data"), network_);
+      submit(client, 10, 300);
+    }
+  }
+  std::filesystem::remove_all(path("spool"));
+  Daemon daemon(path("old"), network_);
+  Client anew = connect("anew");
+  Transaction other = steps_[0];
+  other.variables[0].node.frame.robot = "another";
+  const Result<Receipt> receipt = anew.submit(other, 20s);
+  ASSERT_TRUE(receipt) << receipt.error().to_string();
+  EXPECT_FALSE(receipt->refusal) << receipt->reason;
+}
+
+}  // namespace
+}  // namespace cairn
