@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Opening for those who only look: what recovery.cpp mends is told here, and left as it is.
+#include <rocksdb/file_system.h>
+
 #include <algorithm>
 #include <set>
 
@@ -11,6 +13,48 @@ namespace cairn {
 namespace {
 
 constexpr char kStore[] = "store";
+
+using rocksdb::FSSequentialFile;
+using rocksdb::IODebugContext;
+using rocksdb::IOOptions;
+using rocksdb::IOStatus;
+
+class ShortenedFile : public rocksdb::FSSequentialFileOwnerWrapper {
+ public:
+  ShortenedFile(std::unique_ptr<FSSequentialFile> file, std::uint64_t bytes)
+      : FSSequentialFileOwnerWrapper(std::move(file)), left_(bytes) {}
+  IOStatus Read(std::size_t size, const IOOptions& options, rocksdb::Slice* result, char* scratch,
+                IODebugContext* debug) override {
+    const std::size_t most = std::min<std::uint64_t>(size, left_);
+    const IOStatus status = target()->Read(most, options, result, scratch, debug);
+    if (status.ok()) left_ -= result->size();
+    return status;
+  }
+
+ private:
+  std::uint64_t left_;
+};
+
+// Shows the files as they are, but one of them without its torn end.
+class WithoutTornEnd : public rocksdb::FileSystemWrapper {
+ public:
+  WithoutTornEnd(const std::shared_ptr<rocksdb::FileSystem>& files, std::string path,
+                 std::uint64_t bytes)
+      : FileSystemWrapper(files), path_(std::move(path)), bytes_(bytes) {}
+  [[nodiscard]] const char* Name() const override { return "cairn.WithoutTornEnd"; }
+  IOStatus NewSequentialFile(const std::string& name, const rocksdb::FileOptions& options,
+                             std::unique_ptr<FSSequentialFile>* file,
+                             IODebugContext* debug) override {
+    const IOStatus status = target()->NewSequentialFile(name, options, file, debug);
+    if (status.ok() && name == path_)
+      *file = std::make_unique<ShortenedFile>(std::move(*file), bytes_);
+    return status;
+  }
+
+ private:
+  std::string path_;
+  std::uint64_t bytes_;
+};
 
 Error damage(const std::string& what, const std::string& place) {
   return {ErrorCode::kBadInput,
@@ -55,15 +99,23 @@ Result<OpenedStore> open_store_for_reading(const DataFolder& folder,
   if (!folder.has(kStore)) return not_there(folder, identity->has_value());
   OpenedStore opened;
   const Store::Settings settings{options.write_buffer_bytes};
+  std::shared_ptr<rocksdb::FileSystem> files = folder.files();
   const auto open = [&](Store::Mode mode) {
-    return Store::open(folder.path(kStore), folder.files(), mode, settings, opened.store);
+    return Store::open(folder.path(kStore), files, mode, settings, opened.store);
   };
   rocksdb::Status status = open(Store::Mode::kInspect);
   if (status.IsCorruption()) {
     const LogInspection logs = inspect_logs(folder, kStore);
     if (logs.damage) return damage(*logs.damage, folder.path(kStore));
-    opened.report.cut_tail = logs.torn_tail;
-    if (logs.torn_tail) status = open(Store::Mode::kInspectCut);
+    const std::optional<TornFile> manifest = find_torn_manifest(folder, kStore);
+    if (manifest) {
+      files =
+          std::make_shared<WithoutTornEnd>(files, folder.path(manifest->name), manifest->good_end);
+      opened.report.cut_tail = manifest->what;
+    }
+    if (logs.torn_tail) opened.report.cut_tail = logs.torn_tail;
+    if (opened.report.cut_tail)
+      status = open(logs.torn_tail ? Store::Mode::kInspectCut : Store::Mode::kInspect);
   }
   if (status.IsIOError() && !status.IsPathNotFound())
     return storage_error(status, folder.path(kStore));

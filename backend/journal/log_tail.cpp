@@ -142,20 +142,28 @@ LogInspection inspect_logs(const DataFolder& folder, const std::string& store) {
   return found;
 }
 
-Result<std::optional<std::string>> cut_torn_manifest(const DataFolder& folder,
-                                                     const std::string& store) {
+std::optional<TornFile> find_torn_manifest(const DataFolder& folder, const std::string& store) {
   std::string current = folder.read(store + "/CURRENT").value_or("");
   while (current.ends_with('\n')) current.pop_back();
   const std::string name = store + '/' + current;
   const std::optional<std::string> bytes = folder.read(name);
-  if (current.rfind("MANIFEST-", 0) != 0 || !bytes) return std::optional<std::string>{};
+  if (current.rfind("MANIFEST-", 0) != 0 || !bytes) return std::nullopt;
   const Log manifest = inspect(*bytes, 1);
   if (manifest.clean || manifest.good_end == 0 || manifest.write_after_the_break)
-    return std::optional<std::string>{};
-  const Result<void> written = folder.write(name, bytes->substr(0, manifest.good_end));
+    return std::nullopt;
+  return TornFile{name, manifest.good_end,
+                  folder.path(name) + ", byte " + std::to_string(manifest.good_end) +
+                      ": a write that did not finish"};
+}
+
+Result<std::optional<std::string>> cut_torn_manifest(const DataFolder& folder,
+                                                     const std::string& store) {
+  const std::optional<TornFile> torn = find_torn_manifest(folder, store);
+  if (!torn) return std::optional<std::string>{};
+  const std::string bytes = folder.read(torn->name).value_or("");
+  const Result<void> written = folder.write(torn->name, bytes.substr(0, torn->good_end));
   if (!written) return written.error();
-  return std::optional(folder.path(name) + ", byte " + std::to_string(manifest.good_end) +
-                       ": a write that did not finish");
+  return std::optional(torn->what);
 }
 
 }  // namespace cairn

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cstdint>
 #include <optional>
 #include <string>
 
@@ -20,9 +21,18 @@ struct LogInspection {
 /// before it, so a whole write behind a broken one proves damage.
 LogInspection inspect_logs(const DataFolder& folder, const std::string& store);
 
-/// Cuts off a last write to the MANIFEST that did not finish: what it was to say was not acted upon
-/// yet. RocksDB takes some of these for damage. Gives "FILE, byte N: what"; nothing where the
-/// MANIFEST is whole, or broken otherwise.
+/// A file of a data folder whose last write did not finish.
+struct TornFile {
+  std::string name;
+  std::uint64_t good_end = 0;  ///< bytes that are whole
+  std::string what;            ///< "FILE, byte N: what"
+};
+
+/// A last write to the MANIFEST that did not finish: what it was to say was not acted upon yet.
+/// RocksDB takes some of these for damage. Nothing where the MANIFEST is whole, or broken
+/// otherwise.
+std::optional<TornFile> find_torn_manifest(const DataFolder& folder, const std::string& store);
+/// Cuts it off. Gives what was cut.
 Result<std::optional<std::string>> cut_torn_manifest(const DataFolder& folder,
                                                      const std::string& store);
 

@@ -116,6 +116,28 @@ TEST_F(Reading, TellsAWriteThatNeverFinished) {
   EXPECT_EQ(content(data()), before);
 }
 
+// What a power failure leaves of an append to the MANIFEST.
+TEST_F(Reading, TellsAWriteToTheManifestThatNeverFinished) {
+  std::string manifest;
+  for (const auto& entry : fs::directory_iterator(data() + "/store")) {
+    if (entry.path().filename().string().rfind("MANIFEST-", 0) == 0)
+      manifest = std::max(manifest, entry.path().string());
+  }
+  const std::string whole = test::read_file(manifest);
+  const std::string header("\x11\x22\x33\x44\x32\x00\x01", 7);
+  for (const std::string& tail : {header + std::string(60, '\0'), header}) {
+    std::ofstream(manifest, std::ios::binary) << whole << tail;
+    const auto before = content(data());
+    {
+      const auto journal = Journal::open(data(), reading());
+      ASSERT_TRUE(journal) << journal.error().to_string();
+      EXPECT_EQ((*journal)->head(), head_);
+      EXPECT_TRUE((*journal)->verify());
+    }
+    EXPECT_EQ(content(data()), before);
+  }
+}
+
 // What opening for writing finds, opening for reading (with verify) finds too.
 TEST_F(Reading, FindsDamageOfEveryFileAndLeavesItAsItIs) {
   std::mt19937 random(9);
