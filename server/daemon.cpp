@@ -61,8 +61,7 @@ int run_daemon(const std::string& folder, const DaemonConfig& config,
       (*journal)->head().revision);
   const int exit_code = wait_for_end(ending, service);
   if (!service.stop(std::chrono::seconds(1))) {
-    // The solver is inside one long step. It writes nothing, and what is durable stays so.
-    journal->reset();
+    // The solver or a backup is inside one long step. What is durable stays so.
     std::_Exit(exit_code);
   }
   return exit_code;

@@ -34,12 +34,14 @@ Service::~Service() { stop(); }
 
 Result<void> Service::start() {
   started_ns_ = wall_clock_ns();
+  started_ = std::chrono::steady_clock::now();
   if (auto replayed = rebuild(); !replayed) return replayed;
   if (auto started = transport_.start(*this); !started) return started;
   payloads_.start();
   last_input_ = std::chrono::steady_clock::now();
   announce_opening();
-  if (journal_.open_report().damage) refill_.begin(Refill::Clock::now());
+  const OpenReport& report = journal_.open_report();
+  if (report.damage || report.cut_tail) refill_.begin(Refill::Clock::now());
   publish_state();
   publish_estimate();
   decider_ = std::thread([this] { run(); });
@@ -119,10 +121,16 @@ void Service::on_payload(Payload payload, const Sender& /*sender*/) {
   payloads_.take(std::move(payload));
 }
 void Service::on_command(Command command) { post(std::move(command)); }
+// The newcomer hears of the other at once. Clocks tell only which of two newcomers was first.
 void Service::on_rival(Status rival) {
-  if (rival.started_ns < started_ns_)
+  constexpr std::chrono::seconds kNew{5};
+  const bool we_are_new = std::chrono::steady_clock::now() - started_ < kNew;
+  const bool both_are_new =
+      std::abs(rival.started_ns - started_ns_) < std::chrono::nanoseconds(kNew).count();
+  if (we_are_new && (!both_are_new || rival.started_ns < started_ns_)) {
     fail({ErrorCode::kUsage, "another daemon serves this domain: stop it, or take another domain",
           rival.host});
+  }
 }
 
 void Service::post(Message message) {
@@ -165,6 +173,7 @@ void Service::run() {
       inbox_bytes_ = 0;
     }
     watch_disk();
+    if (journal_.failed()) fail({ErrorCode::kInternal, "the disk does not keep what is written"});
     if (!messages.empty()) handle(std::move(messages));
     publish_estimate_when_due();
     end_refill();
@@ -193,7 +202,7 @@ void Service::handle(std::deque<Message> messages) {
       solutions.push_back(std::move(std::get<std::unique_ptr<Solved>>(message)));
     }
   }
-  sequencer_.expire(turn(wall_clock_ns(), outcome));
+  sequencer_.expire(turn(outcome));
   commit(std::move(outcome));
   for (const ClientState& client : clients) greet(client);
   let_strangers_go(writers_.remove_excess_strangers());
@@ -201,7 +210,10 @@ void Service::handle(std::deque<Message> messages) {
   for (const Command& command : commands) carry_out(command);
 }
 
-Sequencer::Turn Service::turn(std::int64_t now_ns, Sequencer::Outcome& outcome) {
+// Patience is measured by a clock that nobody sets.
+Sequencer::Turn Service::turn(Sequencer::Outcome& outcome) {
+  const std::int64_t now_ns =
+      std::chrono::steady_clock::now().time_since_epoch() / std::chrono::nanoseconds(1);
   Revision next = journal_.head().revision;
   ++next.number;
   return {now_ns, head_, next, outcome};
@@ -219,7 +231,7 @@ void Service::take(Arrived arrived, Sequencer::Outcome& outcome) {
     sequencer_.count_refusal(outcome.answers.back());
     return;
   }
-  sequencer_.take(std::move(arrived.arrival), turn(arrived.sender.arrived_ns, outcome));
+  sequencer_.take(std::move(arrived.arrival), turn(outcome));
   last_input_ = std::chrono::steady_clock::now();
 }
 
@@ -292,6 +304,7 @@ bool Service::needs_solve() const {
 
 void Service::solve_when_idle() {
   const bool idle = std::chrono::steady_clock::now() - last_input_ >= options_.solve_after_pause;
+  if (disk_ == DiskSpace::kFull) return refuse_to_solve();
   if (solver_works_ || solving_ || refill_.active()) return;
   // What could not be solved is tried again when something has changed, or when somebody asks.
   const bool hopeless = unsolvable_ == head_.graph().graph_revision;
@@ -299,6 +312,13 @@ void Service::solve_when_idle() {
     start_solve();
   else if (idle)
     write_snapshot_when_due();
+}
+
+// The result could not be kept.
+void Service::refuse_to_solve() {
+  for (const Command& command : std::exchange(awaiting_solution_, {}))
+    transport_.reply({command.key, ErrorCode::kNotUsable,
+                      "storage full: under 2 % of the daemon's disk is free; make room there"});
 }
 
 void Service::start_solve() {

@@ -114,7 +114,7 @@ class Service final : private TransportListener {
   void publish_estimate();
   void watch_disk();
   void handle(std::deque<Message> messages);
-  [[nodiscard]] Sequencer::Turn turn(std::int64_t now_ns, Sequencer::Outcome& outcome);
+  [[nodiscard]] Sequencer::Turn turn(Sequencer::Outcome& outcome);
   void take(Arrived arrived, Sequencer::Outcome& outcome);
   void meet(const Seen& seen, Sequencer::Outcome& outcome);
   void hear_promise(const ClientState& client);
@@ -129,6 +129,7 @@ class Service final : private TransportListener {
   void carry_out(const Command& command);
   [[nodiscard]] bool needs_solve() const;
   void solve_when_idle();
+  void refuse_to_solve();
   void start_solve();
   void on_solver_thread(std::function<void()> work);
   void write_snapshot_when_due();
@@ -156,6 +157,7 @@ class Service final : private TransportListener {
   CommandDesk desk_;
   std::chrono::steady_clock::time_point last_input_{};
   std::vector<Command> awaiting_solution_;
+  std::chrono::steady_clock::time_point started_{};
   std::int64_t started_ns_ = 0;
   bool estimate_changed_ = false;  ///< since it was published
   std::chrono::steady_clock::time_point published_at_{};

@@ -45,15 +45,18 @@ void Service::meet(const Seen& seen, Sequencer::Outcome& outcome) {
                std::to_string(decided + 1) + " to " + std::to_string(client.oldest_kept - 1) +
                "; restore a backup, or go on without them",
            journal_.head().revision);
-  sequencer_.skip_to(client.source, client.epoch, client.oldest_kept,
-                     turn(seen.sender.arrived_ns, outcome));
+  sequencer_.skip_to(client.source, client.epoch, client.oldest_kept, turn(outcome));
 }
 
 // The client holds receipts of what the store does not have.
 void Service::hear_promise(const ClientState& client) {
   const Revision head = journal_.head().revision;
   const Refill::Clock::time_point now = Refill::Clock::now();
-  if (is_above(client.receipted, head)) {
+  // The lost record's number may have been given to another one since.
+  const bool replaced =
+      client.receipted.store == head.store && client.receipted.era == head.era &&
+      client.highest_decided > sequencer_.highest_decided(client.source, client.epoch);
+  if (is_above(client.receipted, head) || replaced) {
     if (client.receipted.era >= kMostEra || ++eras_raised_ > kMostErasRaised) return;
     if (auto raised = journal_.raise_era(client.receipted.era); !raised)
       return fail(raised.error());

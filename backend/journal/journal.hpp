@@ -34,8 +34,6 @@ struct JournalOptions {
   std::function<std::filesystem::space_info(const std::string& folder)> measure_space{};
   /// Records kept in memory before they go into a table file, bytes.
   std::size_t write_buffer_bytes = 64u << 20;
-  /// Check every record when opening, not only those since the newest snapshot of estimates.
-  bool verify_all = false;
   /// Change nothing in the folder, not even to mend it: damage is an error, and so is a folder that
   /// is no data folder. Others may read too, but nobody may write meanwhile. Nothing can be
   /// appended.

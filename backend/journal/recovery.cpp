@@ -85,13 +85,9 @@ class Opening {
     return folder_.has(kStore) ? folder_.remove_folder(kRebuilt) : folder_.rename(kRebuilt, kStore);
   }
 
-  // Reads the chain to the end: from the newest snapshot, which is all that a start relies on.
+  // Reads the chain from its beginning to its end: a start relies on all of it.
   std::optional<Error> check(Store& store) {
-    ChainPoint from;
-    if (!options_.verify_all) {
-      if (const auto snapshot = read_newest_snapshot(folder_, store)) from = snapshot->at;
-    }
-    const Store::Walk walk = store.walk(from, [](std::string_view) -> Result<void> { return {}; });
+    const Store::Walk walk = store.walk({}, [](std::string_view) -> Result<void> { return {}; });
     if (walk.problem) return walk.problem;
     const Result<ChainPoint> head = store.read_head();
     if (!head) return head.error();

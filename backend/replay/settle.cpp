@@ -6,6 +6,7 @@
 #include <numeric>
 #include <tuple>
 
+#include "cairn/core/bytes.hpp"
 #include "cairn/core/content_hash.hpp"
 #include "cairn/factors/factor_codec.hpp"
 #include "cairn/replay/estimate.hpp"
@@ -26,19 +27,26 @@ ContentHash hash_of(const StoredNode& node) {
   return content_hash(content);
 }
 
-// Epochs are random: what tells one from another is what it holds.
-using EpochRank = std::pair<std::uint64_t, ContentHash>;
+// Epochs are random: what tells one from another is what it holds. First the smallest index, then
+// the content of the node that has it, then that of all nodes.
+using EpochRank = std::tuple<std::uint64_t, ContentHash, ContentHash>;
 
 std::map<OdometryFrame, EpochRank> rank_epochs(const PoseGraph& map) {
-  std::map<OdometryFrame, NodeIndex> first;
-  for (NodeIndex i = 0; i < map.nodes.size(); ++i) {
-    const NodeId& id = map.nodes[i].id;
-    const auto [at, inserted] = first.emplace(id.frame, i);
-    if (!inserted && id.index < map.nodes[at->second].id.index) at->second = i;
-  }
+  std::map<OdometryFrame, std::vector<std::pair<std::uint64_t, NodeIndex>>> nodes;
+  for (NodeIndex i = 0; i < map.nodes.size(); ++i)
+    nodes[map.nodes[i].id.frame].emplace_back(map.nodes[i].id.index, i);
   std::map<OdometryFrame, EpochRank> ranks;
-  for (const auto& [frame, node] : first)
-    ranks.emplace(frame, EpochRank(map.nodes[node].id.index, hash_of(map.nodes[node])));
+  for (auto& [frame, own] : nodes) {
+    std::sort(own.begin(), own.end());
+    std::string content;
+    for (const auto& [index, node] : own) {
+      ByteWriter out(content);
+      out.integer(index);
+      out.hash(hash_of(map.nodes[node]));
+    }
+    ranks.emplace(frame, EpochRank(own.front().first, hash_of(map.nodes[own.front().second]),
+                                   content_hash(content)));
+  }
   return ranks;
 }
 

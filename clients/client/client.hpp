@@ -75,8 +75,9 @@ class Client {
   Result<Submission> submit_async(Transaction transaction);
 
   /// Sends a scan or an image (type: "laser_scan/1", ...) and keeps it on disk until the daemon has
-  /// stored it. Returns when it is on disk; its hash is what a factor names it by. kNotUsable "spool
-  /// full" where too much waits, kBadInput over 16 MB. What the daemon refuses goes to on_trouble().
+  /// stored it. Returns when it is on disk; its hash is what a factor names it by. kNotUsable
+  /// "spool full" where too much waits, kBadInput over 16 MB. What the daemon refuses goes to
+  /// on_trouble().
   Result<ContentHash> send_payload(const std::string& type, const std::string& bytes);
   /// Payloads that the daemon has not stored yet.
   [[nodiscard]] std::uint64_t unstored_payloads() const;

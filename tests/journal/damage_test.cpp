@@ -40,7 +40,6 @@ class Damage : public testing::Test {
   static JournalOptions quick() {
     JournalOptions options;
     options.file_system = test::unsynced_file_system();
-    options.verify_all = true;
     return options;
   }
 

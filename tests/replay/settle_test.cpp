@@ -60,8 +60,12 @@ INSTANTIATE_TEST_SUITE_P(Replayed, PublicGraph,
                                            "graphs/pose3/sphere2500.g2o",
                                            "graphs/landmarks/victoriaPark.txt"));
 
-// Two robots, whose transactions arrive in any order, under any epoch and any name of the sender.
-TEST(Settle, HasTheSameBitsWhateverTheOrderOfArrival) {
+// Two robots, or two epochs of one that begin alike, whose transactions arrive in any order, under
+// any epoch and any name of the sender.
+class Arrivals : public testing::TestWithParam<const char*> {};
+INSTANTIATE_TEST_SUITE_P(Of, Arrivals, testing::Values("beta", "alpha"));
+
+TEST_P(Arrivals, SettleToTheSameBitsWhateverTheirOrder) {
   std::mt19937 random(7);
   std::normal_distribution<double> noise(0.0, 0.1);
   std::vector<Transaction> robots[2];
@@ -69,8 +73,8 @@ TEST(Settle, HasTheSameBitsWhateverTheOrderOfArrival) {
     for (std::uint64_t i = 0; i < 40; ++i) {
       Transaction step;
       NewVariable pose;
-      pose.node = {{r == 0 ? "alpha" : "beta", 0}, i};
-      pose.start = {static_cast<double>(i), static_cast<double>(r) + noise(random), 0.0};
+      pose.node = {{r == 0 ? "alpha" : GetParam(), 0}, i};
+      pose.start = {static_cast<double>(i), i == 0 ? 0.0 : r + noise(random), 0.0};
       step.variables.push_back(pose);
       const auto tie = [&](std::uint64_t to, FactorKind kind) {
         NewFactor factor;
@@ -100,9 +104,10 @@ TEST(Settle, HasTheSameBitsWhateverTheOrderOfArrival) {
       for (std::size_t i = 0; i < robots[r].size(); ++i) {
         Transaction step = robots[r][i];
         step.key = {prefix + std::to_string(r), epoch, i + 1};
-        for (NewVariable& variable : step.variables) variable.node.frame.epoch = epoch + r;
+        const std::uint64_t own_epoch = beta_first ? epoch - r : epoch + r;
+        for (NewVariable& variable : step.variables) variable.node.frame.epoch = own_epoch;
         for (NewFactor& factor : step.factors)
-          for (NodeId& node : factor.nodes) node.frame.epoch = epoch + r;
+          for (NodeId& node : factor.nodes) node.frame.epoch = own_epoch;
         const auto refusal = head.check(step);
         EXPECT_FALSE(refusal) << refusal->reason;
         head.apply(step, {1, 0, ++number});

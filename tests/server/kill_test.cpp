@@ -139,8 +139,8 @@ class KillTest : public testing::Test {
     const auto result = verify.wait(120s);
     ASSERT_TRUE(result);
     ASSERT_EQ(result->exit_code, 0) << result->err;
-    std::ifstream file(hashes);
-    const std::string now(std::istreambuf_iterator<char>(file), {});
+    const std::string now = test::read_file(hashes);
+    ASSERT_FALSE(now.empty());
     EXPECT_TRUE(now.starts_with(hashes_)) << "history has changed";
     hashes_ = now;
   }
@@ -183,6 +183,7 @@ class Resender final : public LinkListener {
         send(first, end);
         std::this_thread::sleep_for(100ms);
       }
+      EXPECT_FALSE(missing(first, end)) << source_ << ": no answer to " << first << " to " << end;
     }
     const std::lock_guard lock(mutex_);
     return answers_;
@@ -291,13 +292,16 @@ TEST_F(KillTest, LosesAndDoublesNothing) {
   command("settle");
   // Everything is sent once more: from the spools, and from an old copy of one.
   const Receipted promised = read_receipts();
-  for (const char* robot : kRobots) {
-    for (const auto& [key, number] : Resender(domain_, robot, spool(robot)).run()) {
+  const auto resend = [&](const std::string& robot, const fs::path& folder) {
+    const Receipted answers = Resender(domain_, robot, folder).run();
+    EXPECT_FALSE(answers.empty());
+    for (const auto& [key, number] : answers) {
       const auto receipt = promised.find(key);
       EXPECT_TRUE(receipt == promised.end() || receipt->second == number) << key.second;
     }
-  }
-  Resender(domain_, "follower", folder_.path() / "copy").run();
+  };
+  for (const char* robot : kRobots) resend(robot, spool(robot));
+  resend("follower", folder_.path() / "copy");
   command("settle");
   EXPECT_EQ(daemon.end(SIGTERM).exit_code, 0);
 
