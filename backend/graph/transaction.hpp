@@ -86,7 +86,7 @@ enum class RefusalCode : std::uint8_t {
   kUnknownVariable = 4,  ///< names a node or factor that does not exist
   kConflict = 5,         ///< the key is taken by other content, or a node exists already
   kStale = 6,            ///< before what is kept, or of an epoch that a newer one closed
-  kForeignSource = 7,    ///< another writer lives under this source name
+  kForeignSource = 7,    ///< another writer lives under this name; not journaled, offered again
   kVersion = 8,          ///< of a newer format than this daemon knows
   // Retryable: not journaled, the sequence stays free.
   kStorageFull = 100,

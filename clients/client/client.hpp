@@ -40,7 +40,8 @@ class Submission {
  public:
   [[nodiscard]] const TransactionKey& key() const;
   /// kUnreachable after the timeout: the transaction is (or will be) in the spool, and is sent
-  /// until it is decided. Another error means that it is not there and never will be sent.
+  /// until it is decided; so also while another program lives under the source's name. Another
+  /// error means that it is not there and never will be sent (unless its message says otherwise).
   [[nodiscard]] Result<Receipt> wait(std::chrono::milliseconds timeout) const;
 
   struct State;
@@ -93,7 +94,8 @@ class Client {
   /// tell the same one again after a restart.
   void on_refusals(std::function<void(const Receipt&)> callback);
   /// What the user should know: peers that do not fit, a daemon that lost what the spool no longer
-  /// has, a damaged spool. Without a callback it goes to standard error.
+  /// has, a damaged spool, another program under the source's name (once, until it has ended).
+  /// Without a callback it goes to standard error.
   void on_trouble(std::function<void(const Error&)> callback);
 
   /// Waits for poses that include this revision. kNotUsable where the store has lost its tail

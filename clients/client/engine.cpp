@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <random>
+#include <utility>
 
 #include "idl/limits.hpp"
 
@@ -128,15 +129,12 @@ bool Client::Engine::has_work(Outgoing::Clock::time_point now) const {
 
 void Client::Engine::wait_for_work(Lock& lock) {
   while (!has_work(Outgoing::Clock::now())) {
-    auto until = outgoing_.next_retry();
-    if (daemon_) {
-      const auto tell = told_daemon_ + (news_for_daemon_ ? kTellDaemon : kHeartbeat);
-      until = until ? std::min(*until, tell) : tell;
-    }
-    if (until)
-      work_.wait_until(lock, *until);
-    else
+    if (!daemon_) {
       work_.wait(lock);
+      continue;
+    }
+    const auto tell = told_daemon_ + (news_for_daemon_ ? kTellDaemon : kHeartbeat);
+    work_.wait_until(lock, std::min(outgoing_.next_retry().value_or(tell), tell));
   }
 }
 
@@ -156,7 +154,7 @@ void Client::Engine::work() {
     }
     send_due();
     send_next(lock);
-    if (released_ < daemon_->highest_decided) {
+    if (daemon_ && released_ < daemon_->highest_decided) {
       released_ = daemon_->highest_decided;
       spool_->release(released_);
       oldest_kept_ = spool_->oldest_kept();
@@ -251,23 +249,31 @@ void Client::Engine::tell_daemon(bool now) {
 }
 
 void Client::Engine::on_receipt(Receipt receipt) {
-  const bool final = !receipt.refusal || !is_retryable(*receipt.refusal);
+  const bool final = Outgoing::is_final(receipt);
+  bool usurped = false;
   Handle handle;
   {
     const std::lock_guard lock(mutex_);
     if (outgoing_.receive(receipt, Outgoing::Clock::now())) {
+      foreign_ = false;
       if (promise_.revision.store != receipt.revision.store || promise_.revision < receipt.revision)
         promise_.revision = receipt.revision;
       promise_.sequence = std::max(promise_.sequence, receipt.key.sequence);
       news_for_daemon_ = true;
     }
+    if (receipt.refusal == RefusalCode::kForeignSource) usurped = !std::exchange(foreign_, true);
     if (auto waiting = final ? waiting_.extract(receipt.key.sequence) : Waiting::node_type())
       handle = std::move(waiting.mapped());
   }
   work_.notify_one();
+  if (usurped)
+    tell(Error{ErrorCode::kNotUsable,
+               "another program lives under this source name; end it, or take another name: until "
+               "then submissions wait in the spool",
+               identity_.source});
   if (handle)
     handle->finish(std::move(receipt));
-  else if (final && receipt.refusal && *receipt.refusal != RefusalCode::kForeignSource)
+  else if (final && receipt.refusal)
     tell_refusal(receipt);
 }
 
@@ -284,7 +290,9 @@ void Client::Engine::on_source_state(SourceState state) {
       news_for_daemon_ = true;
       told_daemon_ = {};
     }
-    const bool lower = daemon_ && state.highest_decided < daemon_->highest_decided;
+    // A new run is held to every receipt, of which the last state may not have known yet.
+    const bool lower = daemon_ && (state.highest_decided < daemon_->highest_decided ||
+                                   (new_daemon && state.highest_decided < promise_.sequence));
     if (first || other_store || lower) {
       // What this run has submitted is sent even if the daemon knows the number: a spool that lost
       // its end, or an old copy of one, is answered with conflicts and not with silence.

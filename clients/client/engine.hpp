@@ -130,6 +130,7 @@ class Client::Engine final : public LinkListener {
   Spool::Promise remembered_;  // of the worker
   Outgoing::Clock::time_point told_daemon_{};
   bool news_for_daemon_ = true;
+  bool foreign_ = false;  // another program has our name, and the user knows it
   bool stopping_ = false;
 
   std::optional<EstimateRevisions> estimate_;

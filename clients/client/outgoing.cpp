@@ -60,11 +60,14 @@ void Outgoing::postpone(std::uint64_t sequence, Clock::time_point now) {
   found->second.retry_at = now + std::min<std::chrono::milliseconds>(pause, backoff_.most);
 }
 
+bool Outgoing::is_final(const Receipt& receipt) {
+  return !receipt.refusal ||
+         (!is_retryable(*receipt.refusal) && *receipt.refusal != RefusalCode::kForeignSource);
+}
+
 bool Outgoing::receive(const Receipt& receipt, Clock::time_point now) {
   hear(now);
-  // While another program lives under our name nothing is decided: offered again, until it ends.
-  if (receipt.refusal &&
-      (is_retryable(*receipt.refusal) || *receipt.refusal == RefusalCode::kForeignSource)) {
+  if (!is_final(receipt)) {
     postpone(receipt.key.sequence, now);
     return false;
   }

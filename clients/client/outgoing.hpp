@@ -41,6 +41,9 @@ class Outgoing {
 
   /// This one, in flight, is to be tried again later: later each time.
   void postpone(std::uint64_t sequence, Clock::time_point now);
+  /// False where the sequence stays open and is offered again: after a retryable refusal, and while
+  /// another program lives under our name.
+  [[nodiscard]] static bool is_final(const Receipt& receipt);
   /// A receipt has come. True where it decides a sequence that was in flight.
   bool receive(const Receipt& receipt, Clock::time_point now);
 

@@ -82,6 +82,23 @@ std::optional<std::string> read_record(int file, std::uint64_t offset, std::uint
   return bytes;
 }
 
+// Whether a whole record of this sequence or a later one begins behind `offset`.
+bool has_record_behind(int file, std::uint64_t offset, std::uint64_t end, std::uint64_t sequence) {
+  std::string rest(end - offset, '\0');
+  if (!read_fully(file, rest.data(), rest.size(), offset)) return false;
+  const std::uint64_t last = sequence + rest.size() / kHead;
+  for (std::size_t at = 1; at + kHead <= rest.size(); ++at) {
+    const auto* head = reinterpret_cast<const unsigned char*>(rest.data()) + at;
+    const auto found = get<std::uint64_t>(head + 8);
+    if (found < sequence || found > last) continue;
+    const auto length = get<std::uint32_t>(head);
+    if (length > rest.size() - at - kHead) continue;
+    const std::string_view bytes(rest.data() + at + kHead, length);
+    if (checksum(head + 8, bytes) == get<std::uint32_t>(head + 4)) return true;
+  }
+  return false;
+}
+
 void sync_folder(const fs::path& folder) {
   const int file = open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
   if (file < 0) return;
@@ -106,6 +123,13 @@ fs::path Spool::path_of(std::uint64_t first) const {
 
 Error Spool::failure(const std::string& what) const {
   return {ErrorCode::kInternal, what + ": " + std::strerror(errno), options_.folder.string()};
+}
+
+Error Spool::damage(const Cursor& at, const std::string& detail) const {
+  return {ErrorCode::kBadInput,
+          "sequence " + std::to_string(at.sequence) + " is damaged (length or checksum)" + detail +
+              "; move the folder away to begin anew",
+          path_of(at.segment).string() + ':' + std::to_string(at.offset)};
 }
 
 Spool::Spool(Spool&& other) noexcept
@@ -200,7 +224,7 @@ Result<void> Spool::find_segments() {
   return segment_file_ < 0 ? failure("cannot open the newest spool file") : Result<void>();
 }
 
-// Finds the next sequence, and cuts off what a crash left half written.
+// Finds the next sequence, and cuts off what a crash left half written: nothing whole follows it.
 Result<void> Spool::scan_newest() {
   Segment& newest = segments_.back();
   next_ = newest.first;
@@ -210,6 +234,9 @@ Result<void> Spool::scan_newest() {
     ++next_;
   }
   if (offset == newest.bytes) return {};
+  if (has_record_behind(segment_file_, offset, newest.bytes, next_))
+    return damage({.segment = newest.first, .sequence = next_, .offset = offset},
+                  ", and whole records that may wait for the daemon follow it");
   if (ftruncate(segment_file_, static_cast<off_t>(offset)) != 0 || fsync(segment_file_) != 0)
     return failure("cannot cut off the torn end of the spool");
   bytes_ -= newest.bytes - offset;
@@ -255,18 +282,22 @@ Result<void> Spool::write_all(std::string_view bytes) {
     const ssize_t count =
         pwrite(segment_file_, rest.data(), rest.size(), static_cast<off_t>(offset));
     if (count < 0 && errno == EINTR) continue;
-    if (count <= 0) {
-      const Error error = failure("cannot write the spool");
-      if (ftruncate(segment_file_, static_cast<off_t>(segments_.back().bytes)) != 0)
-        broken_ = error;
-      return error;
-    }
+    if (count <= 0) return take_back(failure("cannot write the spool"));
     offset += static_cast<std::uint64_t>(count);
     rest.remove_prefix(static_cast<std::size_t>(count));
   }
   if (fdatasync(segment_file_) == 0) return {};
-  broken_ = failure("the disk did not keep the spool (fdatasync)");
-  return *broken_;
+  return take_back(failure("the disk did not keep the spool (fdatasync)"));
+}
+
+// Of what could not be appended nothing may be found, and sent, by the next run.
+Error Spool::take_back(Error error) {
+  if (ftruncate(segment_file_, static_cast<off_t>(segments_.back().bytes)) == 0 &&
+      fdatasync(segment_file_) == 0)
+    return error;
+  error.message += "; it could not be taken back either, and may be sent after a restart";
+  broken_ = error;
+  return error;
 }
 
 Result<void> Spool::seek(std::uint64_t sequence) {
@@ -290,11 +321,7 @@ Result<std::string> Spool::read(std::uint64_t sequence) {
   if (auto ok = seek(sequence); !ok) return ok.error();
   for (;;) {
     auto record = read_record(cursor_.file, cursor_.offset, cursor_.sequence);
-    if (!record)
-      return Error{ErrorCode::kBadInput,
-                   "sequence " + std::to_string(cursor_.sequence) +
-                       " is damaged (length or checksum); move the folder away to begin anew",
-                   path_of(cursor_.segment).string() + ':' + std::to_string(cursor_.offset)};
+    if (!record) return damage(cursor_, "");
     cursor_.offset += bytes_of(*record);
     if (cursor_.sequence++ == sequence) return std::move(*record);
   }

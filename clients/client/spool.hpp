@@ -26,7 +26,7 @@ class Spool {
  public:
   /// Opens or makes the folder. A torn end of the newest file is cut off: what was in it was never
   /// reported as kept. kUsage where the folder is taken or another source's, kBadInput (file:byte)
-  /// where it is damaged.
+  /// where it is damaged: whole records follow one that is not, and nothing is cut.
   static Result<Spool> open(SpoolOptions options);
   Spool(Spool&& other) noexcept;
   Spool& operator=(Spool&&) = delete;
@@ -78,9 +78,11 @@ class Spool {
   Result<void> scan_newest();
   Result<void> start_segment();
   Result<void> write_all(std::string_view bytes);
+  Error take_back(Error error);
   Result<void> seek(std::uint64_t sequence);
   [[nodiscard]] std::filesystem::path path_of(std::uint64_t first) const;
   [[nodiscard]] Error failure(const std::string& what) const;
+  [[nodiscard]] Error damage(const Cursor& at, const std::string& detail) const;
 
   SpoolOptions options_;
   std::uint64_t epoch_ = 0;
@@ -90,7 +92,7 @@ class Spool {
   int lock_file_ = -1;
   int segment_file_ = -1;
   Cursor cursor_;
-  std::optional<Error> broken_;  // after a failed sync nothing is known about the disk
+  std::optional<Error> broken_;  // nothing is known about the end of the newest file
 };
 
 }  // namespace cairn

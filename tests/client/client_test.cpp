@@ -5,6 +5,11 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <ctime>
+#include <fstream>
+#include <thread>
+
+#include "clients/client/outgoing.hpp"
 #include "server/dds_transport.hpp"
 #include "server/memory_transport.hpp"
 #include "tests/client/fake_daemon.hpp"
@@ -17,8 +22,12 @@ namespace cairn {
 namespace {
 
 using namespace std::chrono_literals;
+using testing::AllOf;
+using testing::Each;
+using testing::Ge;
 using testing::HasSubstr;
 using testing::IsEmpty;
+using testing::SizeIs;
 
 constexpr auto kLong = 10s;
 
@@ -100,6 +109,25 @@ TEST_P(ClientTest, HandsFinalRefusalsToTheCallerAndGoesOn) {
   EXPECT_FALSE(client.submit(any(), kLong)->refusal);
 }
 
+TEST_P(ClientTest, WaitsWhileAnotherProgramHasItsNameAndSaysSoOnce) {
+  const auto daemon = make_daemon();
+  daemon->decide_by([offers = 0](const Transaction&) mutable {
+    return ++offers % 4 != 0 ? std::optional(RefusalCode::kForeignSource) : std::nullopt;
+  });
+  ASSERT_TRUE(daemon->start());
+  test::Inbox<Receipt> refusals;
+  Client client = connect();
+  client.on_refusals([&](const Receipt& receipt) { refusals.add(receipt); });
+  for (std::size_t episode = 1; episode <= 2; ++episode) {
+    const auto receipt = client.submit(any(), kLong);
+    ASSERT_TRUE(receipt) << receipt.error().to_string();
+    EXPECT_FALSE(receipt->refusal);
+    ASSERT_EQ(troubles_.all().size(), episode);
+    EXPECT_THAT(troubles_.all().back(), HasSubstr("another program lives under this source name"));
+  }
+  EXPECT_THAT(refusals.all(), IsEmpty());
+}
+
 TEST_P(ClientTest, HasAtMostTheWindowInFlightAndKeepsTheRestOnDisk) {
   const auto daemon = make_daemon();
   daemon->pause();
@@ -162,6 +190,50 @@ TEST_P(ClientTest, RefillsAStoreThatLostItsTail) {
   ASSERT_TRUE(daemon->wait_decided(600));
   EXPECT_EQ(client.submit(any(), kLong)->key.sequence, 601u);
   EXPECT_THAT(troubles_.all(), IsEmpty());
+}
+
+// What the first daemon has decided is known from receipts alone: its last state said nothing.
+TEST_P(ClientTest, RefillsANewDaemonWhoseStoreHasLessThanItsReceipts) {
+  Client client = connect();
+  {
+    const auto daemon = make_daemon();
+    daemon->tell_no_marks();
+    ASSERT_TRUE(daemon->start());
+    for (int i = 0; i < 10; ++i) ASSERT_TRUE(client.submit(any(), kLong));
+  }
+  store_.decided.begin()->second.resize(5);
+  const auto daemon = start_daemon();
+  const auto receipt = client.submit(any(), kLong);
+  ASSERT_TRUE(receipt) << receipt.error().to_string();
+  EXPECT_EQ(receipt->key.sequence, 11u);
+  EXPECT_EQ(store_.decided.begin()->second.size(), 11u);
+}
+
+TEST_P(ClientTest, SaysThatARecordIsDamagedAndThenRests) {
+  Client client = connect();
+  const auto file = options().spool / "00000000000000000001.spool";
+  std::uintmax_t size = 0;
+  for (int i = 0; i < 2; ++i) {
+    const auto before = size;
+    ASSERT_TRUE(client.submit_async(any()));
+    for (int tries = 0; tries < 1000 && (size = std::filesystem::file_size(file)) == before;
+         ++tries)
+      std::this_thread::sleep_for(10ms);
+    ASSERT_GT(size, before);
+  }
+  std::fstream(file, std::ios::in | std::ios::out | std::ios::binary)
+      .seekp(static_cast<std::streamoff>(size - 1))
+      .put('\xFF');
+  const auto daemon = make_daemon();
+  daemon->pause();
+  ASSERT_TRUE(daemon->start());
+  // Once for each state in which the daemon asks for it.
+  EXPECT_THAT(troubles_.wait_for(1),
+              AllOf(SizeIs(Ge(1)), Each(HasSubstr("sequence 2 is damaged"))));
+  std::this_thread::sleep_for(Outgoing::kFirstPatience);  // transaction 1 would be sent again
+  const std::clock_t before = std::clock();
+  std::this_thread::sleep_for(500ms);
+  EXPECT_LT(std::clock() - before, CLOCKS_PER_SEC / 4);
 }
 
 TEST_P(ClientTest, SaysThatTheSpoolIsFull) {

@@ -19,6 +19,7 @@ namespace cairn::test {
 struct FakeStore {
   using Source = std::pair<std::string, std::uint64_t>;
   Revision head{.store = 9, .era = 0, .number = 0};
+  std::int64_t runs = 0;                           // of daemons on it
   std::map<Source, std::vector<Receipt>> decided;  // by sequence, from 1
 };
 
@@ -29,7 +30,7 @@ class FakeDaemon : public TransportListener {
   using Policy = std::function<std::optional<RefusalCode>(const Transaction&)>;
 
   FakeDaemon(std::unique_ptr<Transport> transport, FakeStore& store)
-      : transport_(std::move(transport)), store_(store) {}
+      : transport_(std::move(transport)), store_(store), run_(++store.runs) {}
   ~FakeDaemon() override { transport_->stop(); }
   [[nodiscard]] bool start() { return transport_->start(*this).ok(); }
 
@@ -44,6 +45,8 @@ class FakeDaemon : public TransportListener {
     paused_ = false;
     for (auto& [source, held] : held_) decide_held(source);
   }
+  /// Before start(): decides, but tells its state only to clients that ask.
+  void tell_no_marks() { tells_marks_ = false; }
   /// Forgets what was decided after `sequence`, as a damaged store does.
   void lose_tail(std::uint64_t sequence) {
     const std::lock_guard lock(mutex_);
@@ -121,7 +124,8 @@ class FakeDaemon : public TransportListener {
       Receipt receipt{.key = next->second.key, .revision = store_.head};
       receipt.refusal = policy_ ? policy_(next->second) : std::nullopt;
       held.erase(next);
-      if (receipt.refusal && is_retryable(*receipt.refusal)) {
+      if (receipt.refusal &&
+          (is_retryable(*receipt.refusal) || *receipt.refusal == RefusalCode::kForeignSource)) {
         transport_->publish(receipt);
         break;
       }
@@ -129,14 +133,15 @@ class FakeDaemon : public TransportListener {
       receipts.push_back(receipt);
       transport_->publish(receipt);
     }
-    publish_state(source);
+    if (tells_marks_) publish_state(source);
     changed_.notify_all();
   }
   void publish_state(const FakeStore::Source& source) {
     transport_->publish(SourceState{.source = source.first,
                                     .epoch = source.second,
                                     .highest_decided = store_.decided[source].size(),
-                                    .revision = store_.head});
+                                    .revision = store_.head,
+                                    .daemon_ns = run_});
   }
   template <class Condition>
   bool wait(Condition condition) {
@@ -146,11 +151,13 @@ class FakeDaemon : public TransportListener {
 
   std::unique_ptr<Transport> transport_;
   FakeStore& store_;
+  const std::int64_t run_;
   std::mutex mutex_;
   std::condition_variable changed_;
   std::map<FakeStore::Source, std::map<std::uint64_t, Transaction>> held_;
   Policy policy_;
   bool paused_ = false;
+  bool tells_marks_ = true;
   int lost_ = 0;
 };
 

@@ -4,9 +4,26 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <sys/syscall.h>
+#include <unistd.h>
+
+#include <atomic>
+#include <cerrno>
 #include <fstream>
 
 #include "tests/client/temporary_folder.hpp"
+
+namespace {
+std::atomic<int> failing_syncs = 0;  // so many of the next ones
+}
+
+// In place of the C library's, for this program.
+extern "C" int fdatasync(int file) {
+  if (failing_syncs == 0) return static_cast<int>(syscall(SYS_fdatasync, file));
+  --failing_syncs;
+  errno = EIO;
+  return -1;
+}
 
 namespace cairn {
 namespace {
@@ -31,6 +48,13 @@ class SpoolTest : public testing::Test {
     for (const auto& entry : fs::directory_iterator(options().folder))
       if (entry.path().extension() == ".spool") newest = std::max(newest, entry.path());
     return newest;
+  }
+  static void flip_bit(const fs::path& path, std::streamoff at) {
+    std::fstream file(path, std::ios::in | std::ios::out | std::ios::binary);
+    file.seekg(at);
+    const int byte = file.get();
+    file.seekp(at);
+    file.put(static_cast<char>(byte ^ 1));
   }
 };
 
@@ -87,6 +111,52 @@ TEST_F(SpoolTest, CutsATailWhoseBytesNeverArrived) {
   file.put('\0');
   file.close();
   EXPECT_EQ(open().next_sequence(), 2u);
+}
+
+TEST_F(SpoolTest, RefusesToOpenWhereWholeRecordsFollowADamagedOne) {
+  const auto second = static_cast<std::streamoff>(Spool::bytes_of("first"));
+  {
+    Spool spool = open();
+    ASSERT_TRUE(spool.append({"first", "second", "third"}));
+  }
+  const auto size = fs::file_size(newest_file());
+  for (const std::streamoff byte : {0, 3, 4, 8, 15, 16, 21}) {  // of each field of the record
+    SCOPED_TRACE(byte);
+    flip_bit(newest_file(), second + byte);
+    const auto damaged = Spool::open(options());
+    ASSERT_FALSE(damaged);
+    EXPECT_EQ(damaged.error().code, ErrorCode::kBadInput);
+    EXPECT_THAT(damaged.error().message, HasSubstr("sequence 2 is damaged"));
+    EXPECT_EQ(damaged.error().place, newest_file().string() + ':' + std::to_string(second));
+    EXPECT_EQ(fs::file_size(newest_file()), size);  // nothing was cut
+    flip_bit(newest_file(), second + byte);
+  }
+  EXPECT_EQ(*open().read(3), "third");
+}
+
+TEST_F(SpoolTest, TakesBackWhatTheDiskDidNotKeep) {
+  {
+    Spool spool = open();
+    ASSERT_TRUE(spool.append({"first"}));
+    failing_syncs = 1;
+    const auto failed = spool.append({"never", "sent"});
+    ASSERT_FALSE(failed);
+    EXPECT_THAT(failed.error().message, HasSubstr("fdatasync"));
+    EXPECT_EQ(spool.next_sequence(), 2u);
+    EXPECT_EQ(fs::file_size(newest_file()), spool.bytes());
+  }
+  Spool spool = open();
+  EXPECT_EQ(spool.next_sequence(), 2u);
+  ASSERT_TRUE(spool.append({"second"}));
+  EXPECT_EQ(*spool.read(2), "second");
+}
+
+TEST_F(SpoolTest, TakesNothingMoreWhereItCannotTakeBack) {
+  Spool spool = open();
+  failing_syncs = 2;
+  EXPECT_THAT(spool.append({"first"}).error().message, HasSubstr("may be sent after a restart"));
+  EXPECT_FALSE(spool.append({"first"}));
+  EXPECT_EQ(spool.next_sequence(), 1u);
 }
 
 TEST_F(SpoolTest, IsFullAtItsBoundAndLosesNothing) {

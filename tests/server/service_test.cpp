@@ -7,6 +7,7 @@
 #include <condition_variable>
 #include <filesystem>
 #include <functional>
+#include <future>
 #include <mutex>
 #include <thread>
 
@@ -220,18 +221,22 @@ TEST(Service, LetsASecondWriterOfTheSameSpoolWaitForTheEndOfTheFirst) {
   EXPECT_EQ(receipt->key.sequence, 6U);
 }
 
-TEST(Service, RefusesAnotherProgramUnderALivingSourcesName) {
+TEST(Service, LetsAnotherProgramUnderALivingSourcesNameWaitForItsEnd) {
   const test::TemporaryFolder folder;
   Station station(folder.path());
   const std::vector<Transaction> steps = drive(10);
   ASSERT_TRUE(station.client.submit(steps[0], 10s));
-  {
-    Client other = station.connect(folder.path() / "other");
-    const Result<Receipt> receipt = other.submit(steps[1], 10s);
-    ASSERT_TRUE(receipt) << receipt.error().to_string();
-    EXPECT_EQ(receipt->refusal, RefusalCode::kForeignSource);
-  }
+  Client other = station.connect(folder.path() / "other");
+  std::promise<std::string> trouble;  // a second one would throw
+  other.on_trouble([&](const Error& error) { trouble.set_value(error.message); });
+  const Submission waiting = *other.submit_async(steps[2]);
+  EXPECT_TRUE(trouble.get_future().get().starts_with("another program lives under this source"));
+  EXPECT_FALSE(waiting.wait(200ms));
   EXPECT_FALSE(station.client.submit(steps[1], 10s)->refusal);  // it disturbed nobody
+  { const Client end = std::move(station.client); }
+  const Result<Receipt> receipt = waiting.wait(10s);
+  ASSERT_TRUE(receipt) << receipt.error().to_string();
+  EXPECT_FALSE(receipt->refusal) << receipt->reason;
 }
 
 TEST(Service, TellsItsStateAndThatOfItsSources) {
