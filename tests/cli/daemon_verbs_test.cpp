@@ -144,9 +144,10 @@ TEST_F(DaemonVerbs, ReplayingTwiceSaysWhatToDo) {
   EXPECT_EQ(json::parse(ask({"status", "--json"}).out)["variables"], 20);
 }
 
-// Poses and landmarks as a watching program receives them.
+// Poses and landmarks as a watching program receives them, so many in all. They come on topics of
+// their own, in any order.
 struct Received {
-  explicit Received(const std::string& domain) {
+  Received(const std::string& domain, std::size_t expected) {
     auto client = cairn::Client::connect({.domain = static_cast<std::uint32_t>(std::stoi(domain))});
     if (!client) return;
     std::map<std::pair<cairn::OdometryFrame, std::uint32_t>, cairn::PoseChunk> chunks;
@@ -162,10 +163,15 @@ struct Received {
     client->on_landmarks([&](const auto&, const std::vector<cairn::LandmarkChunk>& update) {
       const std::lock_guard lock(mutex);
       for (const auto& chunk : update) seen[{chunk.frame, chunk.chunk}] = chunk;
+      arrived.notify_all();
     });
     std::unique_lock lock(mutex);
     arrived.wait_for(lock, std::chrono::seconds(20), [&] {
-      return revisions && revisions->solved.number + 1 >= revisions->graph.number;
+      std::size_t count = 0;
+      for (const auto& [key, chunk] : chunks) count += chunk.poses.size();
+      for (const auto& [key, chunk] : seen) count += chunk.landmarks.size();
+      return count >= expected && revisions &&
+             revisions->solved.number + 1 >= revisions->graph.number;
     });
     lock.unlock();
     client->on_poses({});
@@ -221,7 +227,7 @@ TEST_P(Replay, SettlesToTheBatchOptimumAndPublishesIt) {
   EXPECT_EQ(status["factors"], report["edges"]);
 
   // What is received over DDS is what is settled, number by number.
-  const Received received(own_domain());
+  const Received received(own_domain(), status["variables"]);
   EXPECT_EQ(received.maps.size(), 1u) << "every robot is tied to the others";
   ASSERT_EQ(ask({"export", "graph", file("settled.g2o")}).exit_code, 0);
   const auto settled = cairn::read_graph(file("settled.g2o"));
