@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
+#include <string>
 #include <string_view>
 
 #include "cairn/core/bytes.hpp"
@@ -76,8 +77,12 @@ std::size_t skip_padding(std::size_t place) {
   return in_block + kHeaderSize > kBlockSize ? place - in_block + kBlockSize : place;
 }
 
-Log inspect(std::string_view bytes, std::size_t least_write = kLeastWrite) {
+using OnWrite = std::function<void(std::string_view)>;
+
+Log inspect(std::string_view bytes, std::size_t least_write = kLeastWrite,
+            const OnWrite& on_write = {}) {
   Log log;
+  std::string write;
   bool inside = false;
   std::uint64_t after = 0;  // the sequence after the write that is being read
   std::size_t place = 0;
@@ -87,6 +92,8 @@ Log inspect(std::string_view bytes, std::size_t least_write = kLeastWrite) {
     const bool starts = begins_a_write(fragment, least_write);
     const bool goes_on = fragment.whole && (fragment.type == kMiddle || fragment.type == kLast);
     if (place >= bytes.size() || !(inside ? goes_on : starts)) break;
+    if (starts) write.clear();
+    write += fragment.data;
     if (starts) {
       ByteReader data(fragment.data);
       const auto sequence = data.integer<std::uint64_t>();
@@ -96,6 +103,7 @@ Log inspect(std::string_view bytes, std::size_t least_write = kLeastWrite) {
     place += kHeaderSize + fragment.data.size();
     inside = fragment.type == kFirst || fragment.type == kMiddle;
     if (!inside) {
+      if (on_write) on_write(write);
       log.good_end = place;
       log.next_sequence = after;
     }
@@ -164,6 +172,10 @@ Result<std::optional<std::string>> cut_torn_manifest(const DataFolder& folder,
   const Result<void> written = folder.write(torn->name, bytes.substr(0, torn->good_end));
   if (!written) return written.error();
   return std::optional(torn->what);
+}
+
+void for_each_write(std::string_view log, const std::function<void(std::string_view)>& visit) {
+  inspect(log, kLeastWrite, visit);
 }
 
 }  // namespace cairn

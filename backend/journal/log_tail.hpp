@@ -2,8 +2,10 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <string>
+#include <string_view>
 
 #include "cairn/journal/data_folder.hpp"
 
@@ -35,5 +37,8 @@ std::optional<TornFile> find_torn_manifest(const DataFolder& folder, const std::
 /// Cuts it off. Gives what was cut.
 Result<std::optional<std::string>> cut_torn_manifest(const DataFolder& folder,
                                                      const std::string& store);
+
+/// Visits the whole writes of a log file up to its first flaw, each as a WriteBatch has it.
+void for_each_write(std::string_view log, const std::function<void(std::string_view)>& visit);
 
 }  // namespace cairn

@@ -77,7 +77,7 @@ class Opening {
   }
 
   Result<void> finish_interrupted() const {
-    for (const char* unfinished : {kRebuilding, kRepairFolder}) {
+    for (const char* unfinished : {kRebuilding, kGatheringFolder}) {
       if (!folder_.has(unfinished)) continue;
       if (Result<void> gone = folder_.remove_folder(unfinished); !gone) return gone;
     }
@@ -128,14 +128,14 @@ class Opening {
   Result<OpenedStore> replace(const std::string& what) {
     OpenReport::Damage damage;
     damage.what = what;
-    std::unique_ptr<Store> remains = open_remains(folder_, kStore, settings_);
+    std::unique_ptr<Store> remains = gather_remains(folder_, kStore, settings_);
     StoreIdentity identity = known_.value_or(StoreIdentity{random_id(), 0});
     if (!known_ && remains) identity = remains->read_identity().value_or(identity);
     damage.era = ++identity.era;
     if (Result<void> built = build(identity, remains.get(), &damage); !built) return built.error();
     remains.reset();
-    if (folder_.has(kRepairFolder)) {
-      if (Result<void> gone = folder_.remove_folder(kRepairFolder); !gone) return gone.error();
+    if (folder_.has(kGatheringFolder)) {
+      if (Result<void> gone = folder_.remove_folder(kGatheringFolder); !gone) return gone.error();
     }
     if (folder_.has(kStore)) {
       damage.set_aside = "damaged-" + std::to_string(identity.era - 1) + '-' + utc_date();

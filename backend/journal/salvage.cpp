@@ -3,7 +3,8 @@
 
 #include <rocksdb/sst_file_reader.h>
 
-#include "cairn/journal/held_deletions.hpp"
+#include "cairn/core/bytes.hpp"
+#include "cairn/journal/log_tail.hpp"
 #include "cairn/journal/record.hpp"
 
 namespace cairn {
@@ -23,47 +24,100 @@ Status pass_on(Store& fresh, WriteBatch& batch, std::size_t at_least) {
   return status;
 }
 
-// A repair renames and deletes files, but never writes into one: links keep the original whole.
-bool link_store(const DataFolder& folder, const std::string& name) {
-  if (!folder.create(kRepairFolder)) return false;
-  for (const std::string& file : folder.list(name)) {
-    if (file == "LOCK" || file.rfind("MANIFEST", 0) == 0 || file == "CURRENT") continue;
-    std::string target = folder.path(kRepairFolder) + '/' + file;
-    if (file.ends_with(kKeptTable))  // under a number that no other table has
-      target = folder.path(kRepairFolder) + "/9" + file.substr(0, file.find('.')) + ".sst";
-    rocksdb::FileSystem& files = *folder.files();
-    Status status = files.LinkFile(folder.path(name) + '/' + file, target, IOOptions(), nullptr);
-    if (!status.ok()) return false;
+// Calls visit() at each entry that can be read. An iterator does not get past a broken block: it
+// goes on at the next range of keys, of which there are 65536, by their first two bytes.
+template <class Visit>
+void for_each_readable(rocksdb::Iterator& it, const Visit& visit) {
+  for (int range = 0; range < 1 << 16; ++range) {
+    const char start[] = {static_cast<char>(range >> 8), static_cast<char>(range)};
+    for (it.Seek({start, sizeof start}); it.Valid(); it.Next()) {
+      const rocksdb::Slice key = it.key();
+      if (key.size() >= sizeof start)
+        range = static_cast<unsigned char>(key[0]) << 8 | static_cast<unsigned char>(key[1]);
+      visit();
+    }
+    if (it.status().ok()) return;
   }
-  return true;
-}
-
-std::uint64_t records_in(Store& store) {
-  return store.walk({}, [](std::string_view) -> Result<void> { return {}; }).last.number;
 }
 
 Status copy_payloads(Store& remains, Store& fresh, std::uint64_t& kept) {
-  if (!remains.payloads()) return Status::OK();
   WriteBatch batch;
-  // An iterator does not get past a broken block: it goes on at the next range of hashes, of which
-  // there are 65536, by their first two bytes.
-  for (int range = 0; range < 1 << 16; ++range) {
-    const char start[] = {static_cast<char>(range >> 8), static_cast<char>(range)};
-    const std::unique_ptr<rocksdb::Iterator> it(
-        remains.db().NewIterator(rocksdb::ReadOptions(), remains.payloads()));
-    for (it->Seek({start, sizeof start}); it->Valid(); it->Next()) {
-      const rocksdb::Slice key = it->key();
-      range = static_cast<unsigned char>(key[0]) << 8 | static_cast<unsigned char>(key[1]);
-      const std::string_view value(it->value().data(), it->value().size());
-      if (key.compare(slice(content_hash(value))) != 0) continue;
-      batch.Put(fresh.payloads(), key, it->value());
-      ++kept;
-      if (const Status status = pass_on(fresh, batch, kBatchBytes); !status.ok()) return status;
-    }
-    if (it->status().ok()) break;
-  }
-  return pass_on(fresh, batch, 0);
+  Status status;
+  const std::unique_ptr<rocksdb::Iterator> it(
+      remains.db().NewIterator(rocksdb::ReadOptions(), remains.payloads()));
+  for_each_readable(*it, [&] {
+    if (it->key().size() != sizeof(ContentHash)) return;
+    batch.Put(fresh.payloads(), it->key(), it->value());
+    ++kept;
+    if (status.ok()) status = pass_on(fresh, batch, kBatchBytes);
+  });
+  return status.ok() ? pass_on(fresh, batch, 0) : status;
 }
+
+// Collects what the files of a store hold, without its MANIFEST: a repair by RocksDB refuses stores
+// in which tables overlap, as they do when logs are turned into tables. Records never change and
+// payloads are named by their hash, so the order of files does not matter for them.
+class Gathering : public WriteBatch::Handler {
+ public:
+  explicit Gathering(Store& into) : into_(into) {}
+
+  void take_table(const std::string& file) {
+    rocksdb::Options options;
+    options.env = into_.env();
+    rocksdb::SstFileReader table(options);
+    if (!table.Open(file).ok()) return;
+    const std::unique_ptr<rocksdb::Iterator> it(table.NewIterator(rocksdb::ReadOptions()));
+    for_each_readable(*it, [&] { keep(it->key(), it->value()); });
+  }
+
+  void take_log(std::string_view bytes) {
+    for_each_write(bytes, [&](std::string_view write) {
+      WriteBatch(std::string(write)).Iterate(this).PermitUncheckedError();
+    });
+  }
+
+  // RocksDB's blob files: a header of 30 bytes, then {key size u64, value size u64, expiration u64,
+  // two checksums u32, key, value}.
+  void take_blobs(std::string_view bytes) {
+    constexpr std::size_t kFileHeader = 30;
+    ByteReader from(bytes);
+    (void)from.raw(kFileHeader);
+    while (from.ok()) {
+      const auto key_size = from.integer<std::uint64_t>();
+      const auto value_size = from.integer<std::uint64_t>();
+      (void)from.raw(sizeof(std::uint64_t) + 2 * sizeof(std::uint32_t));
+      const std::string_view key = from.raw(key_size);
+      const std::string_view value = from.raw(value_size);
+      if (from.ok()) keep(slice(key), slice(value));
+    }
+  }
+
+  [[nodiscard]] bool finish() { return sound_ && pass_on(into_, batch_, 0).ok(); }
+
+ private:
+  void keep(const rocksdb::Slice& key, const rocksdb::Slice& value) {
+    if (Store::belongs_to_records(key)) {
+      batch_.Put(key, value);
+    } else if (key.size() == sizeof(ContentHash) &&
+               key.compare(slice(content_hash({value.data(), value.size()}))) == 0) {
+      batch_.Put(into_.payloads(), key, value);
+    } else {
+      return;
+    }
+    sound_ = sound_ && pass_on(into_, batch_, kBatchBytes).ok();
+  }
+
+  Status PutCF(std::uint32_t, const rocksdb::Slice& key, const rocksdb::Slice& value) override {
+    keep(key, value);
+    return Status::OK();
+  }
+  // Payloads that were collected come back; the next collection takes them again.
+  Status DeleteCF(std::uint32_t, const rocksdb::Slice&) override { return Status::OK(); }
+
+  Store& into_;
+  WriteBatch batch_;
+  bool sound_ = true;
+};
 
 }  // namespace
 
@@ -78,19 +132,25 @@ std::uint64_t last_record_of_table(Store& store, const std::string& file) {
   return it->Valid() ? Store::number_in_key(it->key()) : 0;
 }
 
-std::unique_ptr<Store> open_remains(const DataFolder& folder, const std::string& name,
-                                    const Store::Settings& settings) {
-  std::unique_ptr<Store> as_told, repaired;
-  if (!folder.has(name)) return as_told;
-  const auto& files = folder.files();
-  (void)Store::open(folder.path(name), files, Store::Mode::kReadOnly, settings, as_told);
-  if (!link_store(folder, name) || !Store::repair(folder.path(kRepairFolder), files).ok() ||
-      !Store::open(folder.path(kRepairFolder), files, Store::Mode::kReadOnly, settings, repaired)
-           .ok()) {
-    return as_told;
+std::unique_ptr<Store> gather_remains(const DataFolder& folder, const std::string& name,
+                                      const Store::Settings& settings) {
+  std::unique_ptr<Store> gathered;
+  if (!folder.has(name)) return gathered;
+  const Status status = Store::open(folder.path(kGatheringFolder), folder.files(),
+                                    Store::Mode::kCreate, settings, gathered);
+  if (!status.ok()) return nullptr;
+  Gathering gathering(*gathered);
+  std::vector<std::string> files = folder.list(name);
+  for (const std::string& file : files) {
+    if (file.ends_with(".sst")) gathering.take_table(folder.path(name) + '/' + file);
   }
-  return as_told && records_in(*as_told) >= records_in(*repaired) ? std::move(as_told)
-                                                                  : std::move(repaired);
+  for (const std::string& file : files) {
+    const bool blobs = file.ends_with(".blob");
+    if (!blobs && !file.ends_with(".log")) continue;
+    const std::optional<std::string> bytes = folder.read(name + '/' + file);
+    if (bytes) blobs ? gathering.take_blobs(*bytes) : gathering.take_log(*bytes);
+  }
+  return gathering.finish() ? std::move(gathered) : nullptr;
 }
 
 Status copy_good_part(Store& remains, Store& fresh, OpenReport::Damage& damage) {

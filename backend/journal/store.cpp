@@ -16,13 +16,12 @@ using rocksdb::Status;
 
 constexpr char kPayloads[] = "payloads";
 constexpr char kIdentityKey[] = "m";
-// So that the first flush makes a table of payloads: a repair finds a column family by its tables.
+// In the column family of payloads, beside the identity; part of format 1.
 constexpr char kPayloadMarkKey[] = "";
 constexpr std::size_t kSmallestBlobBytes = 4096;
 
 bool changes_nothing(Store::Mode mode) {
-  return mode == Store::Mode::kReadOnly || mode == Store::Mode::kInspect ||
-         mode == Store::Mode::kInspectCut;
+  return mode == Store::Mode::kInspect || mode == Store::Mode::kInspectCut;
 }
 
 // RocksDB's own log file, which nobody asked for where nothing may change.
@@ -39,7 +38,6 @@ rocksdb::DBOptions database_options(rocksdb::Env* env, Store::Mode mode) {
   options.create_if_missing = mode == Store::Mode::kCreate;
   options.error_if_exists = mode == Store::Mode::kCreate;
   options.create_missing_column_families = mode == Store::Mode::kCreate;
-  options.paranoid_checks = mode != Store::Mode::kReadOnly;
   options.track_and_verify_wals_in_manifest = true;
   const bool strict = mode == Store::Mode::kStrict || mode == Store::Mode::kInspect;
   options.wal_recovery_mode =
@@ -113,13 +111,6 @@ Status Store::open(const std::string& folder, const std::shared_ptr<rocksdb::Fil
   return status;
 }
 
-Status Store::repair(const std::string& folder, const std::shared_ptr<rocksdb::FileSystem>& files) {
-  const std::unique_ptr<rocksdb::Env> env = rocksdb::NewCompositeEnv(files);
-  return rocksdb::RepairDB(
-      folder, database_options(env.get(), Mode::kReadOnly),
-      {{rocksdb::kDefaultColumnFamilyName, record_options({})}, {kPayloads, payload_options({})}});
-}
-
 Store::~Store() {
   if (payloads_) db_->DestroyColumnFamilyHandle(payloads_);
   if (records_) db_->DestroyColumnFamilyHandle(records_);
@@ -136,6 +127,10 @@ std::uint64_t Store::number_in_key(const rocksdb::Slice& key) {
   for (std::size_t i = 1; is_record(key) && i < key.size(); ++i)
     number = number << 8 | static_cast<unsigned char>(key[i]);
   return number;
+}
+
+bool Store::belongs_to_records(const rocksdb::Slice& key) {
+  return is_record(key) || key == kIdentityKey;
 }
 
 Status Store::write(rocksdb::WriteBatch& batch) { return db_->Write(synced(), &batch); }

@@ -34,7 +34,6 @@ class Store {
     kCreate,      ///< must not exist
     kStrict,      ///< any flaw is an error
     kCutTail,     ///< an incomplete last write is cut
-    kReadOnly,    ///< whatever can be read; changes nothing
     kInspect,     ///< any flaw is an error; changes nothing
     kInspectCut,  ///< as kInspect, but an incomplete last write is left out
   };
@@ -45,15 +44,13 @@ class Store {
   static rocksdb::Status open(const std::string& folder,
                               const std::shared_ptr<rocksdb::FileSystem>& files, Mode mode,
                               const Settings& settings, std::unique_ptr<Store>& store);
-  /// Makes a readable store out of the table and log files of one that lost its MANIFEST.
-  static rocksdb::Status repair(const std::string& folder,
-                                const std::shared_ptr<rocksdb::FileSystem>& files);
   ~Store();
   Store(const Store&) = delete;
   Store& operator=(const Store&) = delete;
 
   static std::string record_key(std::uint64_t number);
   static std::uint64_t number_in_key(const rocksdb::Slice& key);  ///< 0: not a record's
+  static bool belongs_to_records(const rocksdb::Slice& key);      ///< of a record or the identity
   rocksdb::Status write(rocksdb::WriteBatch& batch);              ///< durable when it returns
   rocksdb::Status flush();                                        ///< everything into tables
 

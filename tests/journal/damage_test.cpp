@@ -143,9 +143,9 @@ TEST_F(Damage, OfBlobsLosesNoRecord) {
   cut(store_file(".blob"), 20, kRecords);
 }
 
-TEST_F(Damage, OfTheManifestIsFound) {
+TEST_F(Damage, OfTheManifestLosesNoRecord) {
   flip_bits(store_file("MANIFEST"), 8, kRecords);
-  cut(store_file("MANIFEST"), 20, 0);
+  cut(store_file("MANIFEST"), 20, kRecords);
 }
 
 // What a power failure leaves of an append: a header without its data, and data without theirs.
@@ -160,10 +160,24 @@ TEST_F(Damage, IsNotWhatAWriteToTheManifestLeftThatDidNotFinish) {
   }
 }
 
-// In one run of six RocksDB's repair finds no record without a CURRENT file: clients refill it all.
-TEST_F(Damage, OfTheCurrentFileIsFound) {
-  flip_bits("CURRENT", 4, 0);
-  cut("CURRENT", 2, 0);
+TEST_F(Damage, OfTheCurrentFileLosesNoRecord) {
+  flip_bits("CURRENT", 4, kRecords);
+  cut("CURRENT", 2, kRecords);
+}
+
+// Without CURRENT and MANIFEST the tables, blobs and logs still hold everything.
+TEST_F(Damage, OfAllThatNamesFilesLosesNeitherRecordsNorPayloads) {
+  const std::string copy = folder_.file("copy");
+  fs::copy(original_->file("data"), copy, fs::copy_options::recursive);
+  fs::remove(copy + "/store/CURRENT");
+  fs::remove(copy + "/store/" + store_file("MANIFEST"));
+  const auto journal = test::open_journal(copy, quick());
+  EXPECT_EQ(journal->head().revision.number, kRecords);
+  ASSERT_TRUE(journal->open_report().damage);
+  EXPECT_EQ(journal->open_report().damage->payloads, kRecords / 20);
+  for (std::uint64_t n = 1; n <= kRecords; n += 20)
+    EXPECT_TRUE(journal->read_payload(content_hash(std::string(8000 + n, 'x')))) << n;
+  EXPECT_TRUE(journal->verify());
 }
 
 TEST_F(Damage, ThatTookTheWholeStoreRaisesTheEraOfTheSameStore) {
