@@ -6,6 +6,7 @@
 #include <chrono>
 #include <mutex>
 #include <optional>
+#include <shared_mutex>
 #include <string_view>
 #include <thread>
 #include <tuple>
@@ -19,12 +20,24 @@
 namespace cairn {
 namespace {
 
-constexpr std::size_t kBatch = 1024;  // transactions put in order at a time
+// Transactions put in order at a time, and their approximate memory.
+constexpr std::size_t kBatch = 1024, kBatchBytes = 32u << 20;
 
 std::int64_t now_ns() {
   return std::chrono::duration_cast<std::chrono::nanoseconds>(
              std::chrono::system_clock::now().time_since_epoch())
       .count();
+}
+
+// Approximately.
+std::size_t memory_of(const Transaction& transaction) {
+  std::size_t bytes = sizeof transaction + transaction.edits.size() * sizeof(FactorEdit);
+  for (const NewVariable& variable : transaction.variables)
+    bytes += sizeof variable + 8 * (variable.start.size() + variable.odometry.size());
+  for (const NewFactor& factor : transaction.factors)
+    bytes += sizeof factor + factor.nodes.size() * sizeof(NodeId) + 8 * factor.numbers.size() +
+             factor.payloads.size() * sizeof(ContentHash);
+  return bytes;
 }
 
 // Everything the daemon reads and writes in one domain.
@@ -102,6 +115,7 @@ class DdsTransport final : public Transport {
   }
   template <class Wire>
   void write_sample(dds::Writer<Wire> Endpoints::*writer, const Wire& sample) {
+    const std::shared_lock lock(endpoints_mutex_);
     if (!running_) return;
     if (const auto code = ((*endpoints_).*writer).write(sample); code < 0)
       trouble_(dds::to_error(code, std::string("cannot write ") + dds::Topic<Wire>::kName));
@@ -113,13 +127,15 @@ class DdsTransport final : public Transport {
                                 const Sender& sender, TransportListener& listener);
   int take_clients(TransportListener& listener);
   int take_payloads(TransportListener& listener);
-  void refuse(const cairn_wire_Payload& sample, std::string reason);
+  static void report_unreadable(const cairn_wire_Payload& sample, std::string reason,
+                                const Sender& sender, TransportListener& listener);
   int take_commands(TransportListener& listener);
   int take_rivals(TransportListener& listener);
 
   DdsTransportOptions options_;
   dds::TroubleHandler trouble_;  // outlives what reports to it
   std::optional<dds::Participant> participant_;
+  std::shared_mutex endpoints_mutex_;  // who writes shares it
   std::optional<Endpoints> endpoints_;
   std::unique_ptr<dds::WaitLoop> loop_;
   dds::Outbox outbox_;
@@ -163,17 +179,23 @@ Result<void> DdsTransport::attach_all(TransportListener& listener) {
   return attached;
 }
 
+// The endpoints end here: their listeners would go on to report to who may be gone.
 void DdsTransport::stop() noexcept {
-  if (!thread_.joinable()) return;
-  outbox_.stop();  // what is queued still goes out, if it can
-  running_ = false;
-  loop_->stop();
-  thread_.join();
+  if (thread_.joinable()) {
+    outbox_.stop();  // what is queued still goes out, if it can
+    running_ = false;
+    loop_->stop();
+    thread_.join();
+  }
+  const std::unique_lock lock(endpoints_mutex_);
+  loop_.reset();
+  endpoints_.reset();
 }
 
 // Samples come out instance by instance; put back in the order in which each source sent them.
 int DdsTransport::take_transactions(TransportListener& listener) {
   std::vector<std::pair<Transaction, Sender>> batch;
+  std::size_t bytes = 0;
   int count = 0;
   do {
     count = endpoints_->transaction.take(
@@ -182,12 +204,13 @@ int DdsTransport::take_transactions(TransportListener& listener) {
           const Sender sender{.writer = sample.writer, .arrived_ns = now_ns()};
           auto transaction = wire::from_wire(sample);
           if (transaction) {
+            bytes += memory_of(*transaction);
             batch.emplace_back(std::move(*transaction), sender);
             return;
           }
           report_unreadable(sample, transaction.error().message, sender, listener);
         });
-  } while (count == static_cast<int>(dds::kTake) && batch.size() < kBatch);
+  } while (count == static_cast<int>(dds::kTake) && batch.size() < kBatch && bytes < kBatchBytes);
   std::stable_sort(batch.begin(), batch.end(),
                    [](const auto& a, const auto& b) { return a.first.key < b.first.key; });
   for (auto& [transaction, sender] : batch) listener.on_transaction(std::move(transaction), sender);
@@ -221,28 +244,26 @@ int DdsTransport::take_clients(TransportListener& listener) {
       });
 }
 
-void DdsTransport::refuse(const cairn_wire_Payload& sample, std::string reason) {
-  PayloadReceipt receipt{.source = sample.source,
-                         .epoch = sample.epoch,
-                         .number = sample.number,
-                         .answer = PayloadAnswer::kRefused,
-                         .reason = std::move(reason)};
-  std::copy_n(sample.content, receipt.hash.size(), receipt.hash.begin());
-  publish(receipt);
+void DdsTransport::report_unreadable(const cairn_wire_Payload& sample, std::string reason,
+                                     const Sender& sender, TransportListener& listener) {
+  Payload payload{.source = sample.source, .epoch = sample.epoch, .number = sample.number};
+  std::copy_n(sample.content, payload.hash.size(), payload.hash.begin());
+  listener.on_unreadable_payload(std::move(payload), std::move(reason), sender);
 }
 
 int DdsTransport::take_payloads(TransportListener& listener) {
-  return endpoints_->payload.take([&](const cairn_wire_Payload& sample,
-                                      const dds_sample_info_t& info) {
-    if (!info.valid_data) return;
-    auto payload = wire::from_wire(sample);
-    if (payload)
-      listener.on_payload(std::move(*payload), {.writer = sample.writer, .arrived_ns = now_ns()});
-    else if (sample.source == nullptr || !limits::check_name("source", sample.source))
-      listener.on_trouble(payload.error());
-    else
-      refuse(sample, payload.error().message);
-  });
+  return endpoints_->payload.take(
+      [&](const cairn_wire_Payload& sample, const dds_sample_info_t& info) {
+        if (!info.valid_data) return;
+        const Sender sender{.writer = sample.writer, .arrived_ns = now_ns()};
+        auto payload = wire::from_wire(sample);
+        if (payload)
+          listener.on_payload(std::move(*payload), sender);
+        else if (sample.source == nullptr || !limits::check_name("source", sample.source))
+          listener.on_trouble(payload.error());
+        else
+          report_unreadable(sample, payload.error().message, sender, listener);
+      });
 }
 
 int DdsTransport::take_commands(TransportListener& listener) {
@@ -280,6 +301,7 @@ void DdsTransport::publish(const Status& status) {
 }
 
 void DdsTransport::forget(const std::string& source, std::uint64_t epoch) {
+  const std::shared_lock lock(endpoints_mutex_);
   if (!running_) return;
   SourceState state;
   state.source = source;
@@ -289,6 +311,9 @@ void DdsTransport::forget(const std::string& source, std::uint64_t epoch) {
   Receipt receipt{.key = {source, epoch, 0}, .revision = {}};
   for (; receipt.key.sequence < wire::kSlots; ++receipt.key.sequence)
     (void)endpoints_->receipt.forget(wire::to_wire(receipt, arena));
+  PayloadReceipt payload{.source = source, .epoch = epoch};
+  for (; payload.number < wire::kPayloadSlots; ++payload.number)
+    (void)endpoints_->payload_receipt.forget(wire::to_wire(payload, arena));
 }
 
 // Keep-all writers wait for slow readers: from a thread that may.

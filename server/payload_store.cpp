@@ -46,6 +46,16 @@ void PayloadStore::expect(const Spool& spool, const ContentHash& hash) {
   if (missing_.size() == 1) changed_.notify_all();
 }
 
+void PayloadStore::forget(const Spool& spool) {
+  const std::lock_guard lock(mutex_);
+  std::erase_if(queue_, [&](const Payload& payload) {
+    if (payload.source != spool.first || payload.epoch != spool.second) return false;
+    queued_bytes_ -= payload.bytes.size();
+    return true;
+  });
+  if (storing_ == spool) storing_.reset();
+}
+
 void PayloadStore::run() {
   Lock lock(mutex_);
   while (!stopping_) {
@@ -58,9 +68,11 @@ void PayloadStore::run() {
     }
     const Payload payload = std::move(queue_.front());
     queue_.pop_front();
+    storing_.emplace(payload.source, payload.epoch);
     lock.unlock();
     store(payload);
     lock.lock();
+    if (!std::exchange(storing_, {})) transport_.forget(payload.source, payload.epoch);
     queued_bytes_ -= payload.bytes.size();
   }
 }

@@ -7,6 +7,7 @@
 #include <deque>
 #include <map>
 #include <mutex>
+#include <optional>
 #include <set>
 #include <string>
 #include <thread>
@@ -40,6 +41,10 @@ class PayloadStore {
   void take(Payload payload);
   /// An accepted transaction of this spool names the payload. From any thread.
   void expect(const Spool& spool, const ContentHash& hash);
+  /// What waits of this spool is not stored, and no answer to it is kept. From any thread.
+  void forget(const Spool& spool);
+  /// From any thread.
+  void answer(const Payload& payload, PayloadAnswer answer, std::string reason = {});
 
  private:
   using Clock = std::chrono::steady_clock;
@@ -53,7 +58,6 @@ class PayloadStore {
   void run();
   void store(const Payload& payload);
   void ask(Lock& lock);
-  void answer(const Payload& payload, PayloadAnswer answer, std::string reason = {});
 
   Journal& journal_;
   Transport& transport_;
@@ -63,6 +67,7 @@ class PayloadStore {
   std::condition_variable changed_;
   std::deque<Payload> queue_;
   std::size_t queued_bytes_ = 0;
+  std::optional<Spool> storing_;  ///< whose payload is being stored; nobody's once forgotten
   std::map<ContentHash, Missing> missing_;
   std::set<ContentHash> stored_;  ///< in this run, the last thousands: need not be looked up
   bool stopping_ = false;

@@ -22,11 +22,12 @@ class Refill {
   struct Patience {
     std::chrono::milliseconds for_clients{1000};     ///< to say what they hold
     std::chrono::milliseconds for_progress{15'000};  ///< clients that send no more are given up
-    std::chrono::milliseconds in_all{120'000};
+    std::chrono::milliseconds in_all{120'000};       ///< of one run, however often it begins
   };
 
   explicit Refill(Patience patience) : patience_(patience) {}
 
+  /// Nothing happens when all the time there is was spent before.
   void begin(Clock::time_point now);
   /// The spool had everything up to `sequence` decided; the journal has less. Who was given up once
   /// is not waited for again.
@@ -48,6 +49,7 @@ class Refill {
   std::map<Spool, std::uint64_t> expected_;
   std::set<Spool> given_up_;
   Clock::time_point began_{}, progress_{};
+  Clock::duration spent_{};  ///< before it began
 };
 
 }  // namespace cairn

@@ -267,6 +267,11 @@ std::uint64_t Sequencer::highest_decided(const std::string& source, std::uint64_
                                                                  : 0;
 }
 
+bool Sequencer::is_closed(const std::string& source, std::uint64_t epoch) const {
+  const auto known = sources_.find(source);
+  return known != sources_.end() && known->second.closed_epochs.contains(epoch);
+}
+
 std::map<std::string, SourceCounters> Sequencer::counters() const {
   std::map<std::string, SourceCounters> all;
   for (const auto& [name, source] : sources_) {

@@ -91,6 +91,8 @@ class Sequencer {
   [[nodiscard]] bool knows(const std::string& source) const { return sources_.contains(source); }
   /// The highest one of this epoch; 0 where it is not the source's current one.
   [[nodiscard]] std::uint64_t highest_decided(const std::string& source, std::uint64_t epoch) const;
+  /// A newer epoch has begun: nothing of this one is decided any more.
+  [[nodiscard]] bool is_closed(const std::string& source, std::uint64_t epoch) const;
 
  private:
   struct Kept {

@@ -14,6 +14,8 @@
 namespace cairn {
 namespace {
 
+constexpr std::size_t kMostAwaiting = 64;  // commands that wait for a solve
+
 std::int64_t wall_clock_ns() {
   return std::chrono::duration_cast<std::chrono::nanoseconds>(
              std::chrono::system_clock::now().time_since_epoch())
@@ -100,27 +102,6 @@ void Service::pass(ServicePoint point) const {
   if (options_.on_point) options_.on_point(point);
 }
 
-void Service::on_transaction(Transaction transaction, const Sender& sender) {
-  post(make_arrival(std::move(transaction)), sender);
-}
-void Service::on_unreadable_transaction(UnreadableTransaction transaction, const Sender& sender) {
-  Arrival arrival;
-  arrival.transaction.key = std::move(transaction.key);
-  arrival.hash = transaction.content;
-  arrival.bytes = sizeof(Arrival) + transaction.reason.size();
-  arrival.fault = Refusal{transaction.code, std::move(transaction.reason)};
-  post(std::move(arrival), sender);
-}
-void Service::on_client(ClientState client, const Sender& sender) {
-  post(Seen{std::move(client), sender});
-}
-void Service::on_source_lost(std::string source, const Sender& sender) {
-  post(Lost{std::move(source), sender.writer});
-}
-void Service::on_payload(Payload payload, const Sender& /*sender*/) {
-  payloads_.take(std::move(payload));
-}
-void Service::on_command(Command command) { post(std::move(command)); }
 // The newcomer hears of the other at once. Clocks tell only which of two newcomers was first.
 void Service::on_rival(Status rival) {
   constexpr std::chrono::seconds kNew{5};
@@ -131,30 +112,6 @@ void Service::on_rival(Status rival) {
     fail({ErrorCode::kUsage, "another daemon serves this domain: stop it, or take another domain",
           rival.host});
   }
-}
-
-void Service::post(Message message) {
-  {
-    const std::lock_guard lock(mutex_);
-    inbox_.push_back(std::move(message));
-  }
-  wake_.notify_one();
-}
-
-void Service::post(Arrival arrival, const Sender& sender) {
-  Receipt refusal{.key = arrival.transaction.key, .revision = {}};
-  {
-    const std::lock_guard lock(mutex_);
-    if (inbox_bytes_ + arrival.bytes <= options_.inbox_bytes) {
-      inbox_bytes_ += arrival.bytes;
-      inbox_.push_back(Arrived{std::move(arrival), sender});
-      wake_.notify_one();
-      return;
-    }
-  }
-  refusal.refusal = RefusalCode::kOverBudget;
-  refusal.reason = "the daemon is behind; what has arrived fills its memory";
-  transport_.publish(refusal);
 }
 
 void Service::fail(Error error) {
@@ -198,6 +155,10 @@ void Service::handle(std::deque<Message> messages) {
       clients.push_back(std::move(seen->client));
     } else if (auto* lost = std::get_if<Lost>(&message)) {
       part(*lost);
+    } else if (auto* brought = std::get_if<Brought>(&message)) {
+      bring(std::move(*brought));
+    } else if (const auto* heard = std::get_if<Heard>(&message)) {
+      writers_.hear_of(heard->spool);
     } else {
       solutions.push_back(std::move(std::get<std::unique_ptr<Solved>>(message)));
     }
@@ -408,8 +369,11 @@ void Service::carry_out(const Command& command) {
     const bool repeated =
         std::any_of(awaiting_solution_.begin(), awaiting_solution_.end(),
                     [&](const Command& waiting) { return waiting.key == command.key; });
-    if (!repeated) awaiting_solution_.push_back(command);
-    return;
+    if (repeated) return;
+    if (awaiting_solution_.size() < kMostAwaiting) return awaiting_solution_.push_back(command);
+    return transport_.reply({command.key, ErrorCode::kNotUsable,
+                             "busy: " + std::to_string(kMostAwaiting) +
+                                 " commands wait for a solve already; ask again later"});
   }
   transport_.reply(
       {command.key, {}, settled_text(head_.graph().graph_revision, chi2_.value_or(0.0))});

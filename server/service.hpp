@@ -46,7 +46,7 @@ struct ServiceOptions {
   std::uint64_t snapshot_every = 10'000;
   /// States of sources and of the daemon are published so often, where they have changed.
   std::chrono::milliseconds state_every{1000};
-  /// What has arrived and was not looked at yet; beyond, transactions are refused for now.
+  /// What has arrived and was not looked at yet; beyond, it is refused for now.
   std::size_t inbox_bytes = 256u << 20;
   SequencerLimits limits{};
   Refill::Patience refill{};
@@ -90,23 +90,36 @@ class Service final : private TransportListener {
     std::string source;
     std::uint64_t writer;
   };
+  struct Brought {
+    Payload payload;
+    Sender sender;
+    std::string fault{};  ///< why it cannot be read; empty: it can
+  };
+  struct Heard {
+    Writers::Spool spool;  ///< was answered without a look at what it said
+  };
   struct Solved {
     PoseGraph base;
     SettledEstimate settled;
   };
-  using Message = std::variant<Arrived, Seen, Lost, Command, std::unique_ptr<Solved>>;
+  using Message =
+      std::variant<Arrived, Seen, Lost, Brought, Heard, Command, std::unique_ptr<Solved>>;
 
   void on_transaction(Transaction transaction, const Sender& sender) override;
   void on_unreadable_transaction(UnreadableTransaction transaction, const Sender& sender) override;
   void on_client(ClientState client, const Sender& sender) override;
   void on_source_lost(std::string source, const Sender& sender) override;
   void on_payload(Payload payload, const Sender& sender) override;
+  void on_unreadable_payload(Payload payload, std::string reason, const Sender& sender) override;
   void on_command(Command command) override;
   void on_rival(Status rival) override;
   void on_trouble(Error error) override;
 
   void post(Message message);
   void post(Arrival arrival, const Sender& sender);
+  void post(Brought brought);
+  [[nodiscard]] bool admit(Message&& message, std::size_t bytes, std::size_t room = 0);
+  void answered_unread(const Writers::Spool& spool);
   void run();
   void announce_opening();
   [[nodiscard]] std::chrono::nanoseconds until_next_duty() const;
@@ -118,6 +131,7 @@ class Service final : private TransportListener {
   void take(Arrived arrived, Sequencer::Outcome& outcome);
   void meet(const Seen& seen, Sequencer::Outcome& outcome);
   void hear_promise(const ClientState& client);
+  void bring(Brought brought);
   void part(const Lost& lost);
   void end_refill();
   void commit(Sequencer::Outcome outcome);

@@ -33,6 +33,7 @@ void Service::meet(const Seen& seen, Sequencer::Outcome& outcome) {
     return writers_.hear_of({seen.client.source, seen.client.epoch});
   if (!writers_.arrive(seen.client, seen.sender)) return;
   const ClientState& client = seen.client;
+  if (sequencer_.is_closed(client.source, client.epoch)) return;  // its promises were kept
   const std::uint64_t decided = sequencer_.highest_decided(client.source, client.epoch);
   if (client.highest_decided > decided ||
       is_above(client.receipted, head_.graph().graph_revision)) {
@@ -52,10 +53,13 @@ void Service::meet(const Seen& seen, Sequencer::Outcome& outcome) {
 void Service::hear_promise(const ClientState& client) {
   const Revision head = journal_.head().revision;
   const Refill::Clock::time_point now = Refill::Clock::now();
-  // The lost record's number may have been given to another one since.
-  const bool replaced =
-      client.receipted.store == head.store && client.receipted.era == head.era &&
-      client.highest_decided > sequencer_.highest_decided(client.source, client.epoch);
+  const std::uint64_t decided = sequencer_.highest_decided(client.source, client.epoch);
+  const OpenReport& opening = journal_.open_report();
+  // The lost record's number may have been given to another one since. Names can be invented: one
+  // that the journal does not know has lost nothing in a store that was whole.
+  const bool can_have_lost = decided > 0 || opening.damage || opening.cut_tail;
+  const bool replaced = can_have_lost && client.receipted.store == head.store &&
+                        client.receipted.era == head.era && client.highest_decided > decided;
   if (is_above(client.receipted, head) || replaced) {
     if (client.receipted.era >= kMostEra || ++eras_raised_ > kMostErasRaised) return;
     if (auto raised = journal_.raise_era(client.receipted.era); !raised)
@@ -70,10 +74,22 @@ void Service::hear_promise(const ClientState& client) {
     for (const auto& [source, owner] : writers_.owners())
       if (owner.alive) greet(owner.state);
   }
-  const std::uint64_t decided = sequencer_.highest_decided(client.source, client.epoch);
-  if (client.highest_decided > decided && client.oldest_kept <= client.highest_decided)
+  // Of an era that goes on nothing is lost, whatever a client says.
+  const bool ended =
+      client.receipted.store == head.store && client.receipted.era < journal_.head().revision.era;
+  if (ended && client.highest_decided > decided && client.oldest_kept <= client.highest_decided)
     refill_.expect({client.source, client.epoch}, client.highest_decided, now);
   state_changed_ = true;
+}
+
+// Megabytes are taken from those only who have said that they are there.
+void Service::bring(Brought brought) {
+  Payload& payload = brought.payload;
+  if (const auto refusal = writers_.refuse({payload.source, payload.epoch, 0}, brought.sender))
+    return payloads_.answer(payload, PayloadAnswer::kBusy, refusal->reason);
+  if (!brought.fault.empty())
+    return payloads_.answer(payload, PayloadAnswer::kRefused, std::move(brought.fault));
+  payloads_.take(std::move(payload));
 }
 
 void Service::part(const Lost& lost) {
@@ -101,6 +117,7 @@ void Service::let_strangers_go(const std::vector<Writers::Spool>& spools) {
     for (const Receipt& receipt : sequencer_.turn_away_stranger(source, journal_.head().revision))
       transport_.publish(receipt);
     changed_spools_.erase({source, epoch});
+    payloads_.forget({source, epoch});
     transport_.forget(source, epoch);
   }
 }

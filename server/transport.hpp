@@ -40,6 +40,8 @@ class TransportListener {
   /// process), as the same sender.
   virtual void on_source_lost(std::string source, const Sender& sender) = 0;
   virtual void on_payload(Payload payload, const Sender& sender) = 0;
+  /// One that breaks the wire's rules, without its bytes; its names are whole.
+  virtual void on_unreadable_payload(Payload payload, std::string reason, const Sender& sender) = 0;
   virtual void on_command(Command command) = 0;
   /// Another daemon lives in the domain.
   virtual void on_rival(Status rival) = 0;

@@ -135,9 +135,12 @@ Result<void> DdsLink::start(LinkListener& listener) {
 }
 
 void DdsLink::stop() noexcept {
-  if (!thread_.joinable()) return;
-  loop_->stop();
-  thread_.join();
+  if (thread_.joinable()) {
+    loop_->stop();
+    thread_.join();
+  }
+  loop_.reset();
+  endpoints_.reset();  // and their listeners, which report to who may be gone
 }
 
 template <class Wire, class Deliver>

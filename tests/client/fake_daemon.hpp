@@ -106,6 +106,7 @@ class FakeDaemon : public TransportListener {
     changed_.notify_all();
   }
   void on_payload(Payload, const Sender&) override {}
+  void on_unreadable_payload(Payload, std::string, const Sender&) override {}
   void on_command(Command command) override {
     const bool known = command.text == "ping";
     transport_->reply({.key = command.key,

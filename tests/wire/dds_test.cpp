@@ -81,6 +81,8 @@ TEST_F(Dds, ForgetsWhatItSaidToASpoolThatIsGone) {
   ASSERT_TRUE(transport_->start(daemon_));
   for (std::uint64_t i = 1; i <= 20; ++i)
     transport_->publish(Receipt{.key = {"wheels", 5, i}, .revision = {9, 0, i}});
+  for (std::uint64_t i = 1; i <= 20; ++i)
+    transport_->publish(PayloadReceipt{.source = "wheels", .epoch = 5, .number = i});
   transport_->publish(SourceState{.source = "wheels", .epoch = 5, .highest_decided = 4});
   transport_->publish(SourceState{.source = "sonar", .epoch = 5, .highest_decided = 4});
   transport_->forget("wheels", 5);
@@ -92,6 +94,7 @@ TEST_F(Dds, ForgetsWhatItSaidToASpoolThatIsGone) {
   transport_->publish(SourceState{.source = "wheels", .epoch = 5, .highest_decided = 6});
   EXPECT_EQ(client_.source_states.wait_for(1).at(0).highest_decided, 6u);
   EXPECT_THAT(client_.receipts.all(), testing::IsEmpty());
+  EXPECT_THAT(client_.payload_receipts.all(), testing::IsEmpty());
   EXPECT_EQ(client_.source_states.all().size(), 1u);
 }
 

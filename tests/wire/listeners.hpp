@@ -67,6 +67,10 @@ struct RecordingDaemon : TransportListener {
   void on_payload(Payload payload, const Sender& /*sender*/) override {
     payloads.add(std::move(payload));
   }
+  void on_unreadable_payload(Payload payload, std::string reason,
+                             const Sender& /*sender*/) override {
+    troubles.add(payload.source + ": " + reason);
+  }
   void on_command(Command command) override { commands.add(std::move(command)); }
   void on_rival(Status rival) override { rivals.add(std::move(rival)); }
   void on_trouble(Error error) override { troubles.add(error.to_string()); }
