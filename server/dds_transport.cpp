@@ -12,6 +12,7 @@
 #include <tuple>
 #include <utility>
 
+#include "cairn/core/wall_clock.hpp"
 #include "idl/convert.hpp"
 #include "idl/dds/endpoint.hpp"
 #include "idl/dds/outbox.hpp"
@@ -22,12 +23,6 @@ namespace {
 
 // Transactions put in order at a time, and their approximate memory.
 constexpr std::size_t kBatch = 1024, kBatchBytes = 32u << 20;
-
-std::int64_t now_ns() {
-  return std::chrono::duration_cast<std::chrono::nanoseconds>(
-             std::chrono::system_clock::now().time_since_epoch())
-      .count();
-}
 
 // Approximately.
 std::size_t memory_of(const Transaction& transaction) {
@@ -201,7 +196,7 @@ int DdsTransport::take_transactions(TransportListener& listener) {
     count = endpoints_->transaction.take(
         [&](const cairn_wire_Transaction& sample, const dds_sample_info_t& info) {
           if (!info.valid_data) return;
-          const Sender sender{.writer = sample.writer, .arrived_ns = now_ns()};
+          const Sender sender{.writer = sample.writer, .arrived_ns = wall_clock_ns()};
           auto transaction = wire::from_wire(sample);
           if (transaction) {
             bytes += memory_of(*transaction);
@@ -231,7 +226,7 @@ void DdsTransport::report_unreadable(const cairn_wire_Transaction& sample, std::
 int DdsTransport::take_clients(TransportListener& listener) {
   return endpoints_->client_state.take(
       [&](const cairn_wire_Client_state& sample, const dds_sample_info_t& info) {
-        const Sender sender{.writer = sample.writer, .arrived_ns = now_ns()};
+        const Sender sender{.writer = sample.writer, .arrived_ns = wall_clock_ns()};
         if (info.valid_data) {
           auto client = wire::from_wire(sample);
           if (client)
@@ -255,7 +250,7 @@ int DdsTransport::take_payloads(TransportListener& listener) {
   return endpoints_->payload.take(
       [&](const cairn_wire_Payload& sample, const dds_sample_info_t& info) {
         if (!info.valid_data) return;
-        const Sender sender{.writer = sample.writer, .arrived_ns = now_ns()};
+        const Sender sender{.writer = sample.writer, .arrived_ns = wall_clock_ns()};
         auto payload = wire::from_wire(sample);
         if (payload)
           listener.on_payload(std::move(*payload), sender);

@@ -13,16 +13,11 @@
 #include <tuple>
 #include <utility>
 
+#include "cairn/core/wall_clock.hpp"
 #include "idl/convert.hpp"
 
 namespace cairn {
 namespace {
-
-std::int64_t now_ns() {
-  return std::chrono::duration_cast<std::chrono::nanoseconds>(
-             std::chrono::system_clock::now().time_since_epoch())
-      .count();
-}
 
 // Runs what is posted, in order, on a thread of its own.
 class Mailbox {
@@ -110,7 +105,7 @@ class MemoryLink final : public Link {
  private:
   Result<void> send_to_daemons(const std::optional<InstanceKey>& key,
                                std::function<void(TransportListener&)> task);
-  Sender sender() const { return {.writer = identity_.writer, .arrived_ns = now_ns()}; }
+  Sender sender() const { return {.writer = identity_.writer, .arrived_ns = wall_clock_ns()}; }
 
   Network network_;
   Identity identity_;

@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
+#include "cairn/core/wall_clock.hpp"
 #include "cairn/history/solve_record.hpp"
 #include "cairn/replay/estimate_snapshot.hpp"
 #include "server/replay_journal.hpp"
@@ -15,12 +16,6 @@ namespace cairn {
 namespace {
 
 constexpr std::size_t kMostAwaiting = 64;  // commands that wait for a solve
-
-std::int64_t wall_clock_ns() {
-  return std::chrono::duration_cast<std::chrono::nanoseconds>(
-             std::chrono::system_clock::now().time_since_epoch())
-      .count();
-}
 
 }  // namespace
 

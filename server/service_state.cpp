@@ -5,16 +5,11 @@
 #include <fstream>
 #include <utility>
 
+#include "cairn/core/wall_clock.hpp"
 #include "server/service.hpp"
 
 namespace cairn {
 namespace {
-
-std::int64_t wall_clock_ns() {
-  return std::chrono::duration_cast<std::chrono::nanoseconds>(
-             std::chrono::system_clock::now().time_since_epoch())
-      .count();
-}
 
 std::string host() {
   char name[256] = "";

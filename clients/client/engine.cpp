@@ -6,6 +6,7 @@
 #include <random>
 #include <utility>
 
+#include "cairn/core/wall_clock.hpp"
 #include "idl/limits.hpp"
 
 namespace cairn {
@@ -20,12 +21,6 @@ constexpr auto kHeartbeat = 5s;       // at least so often, for the clocks
 std::uint64_t random_number() {
   std::random_device random;
   return std::uint64_t{random()} << 32 | random();
-}
-
-std::int64_t now_ns() {
-  return std::chrono::duration_cast<std::chrono::nanoseconds>(
-             std::chrono::system_clock::now().time_since_epoch())
-      .count();
 }
 
 }  // namespace
@@ -79,7 +74,7 @@ Result<Client::Engine::Handle> Client::Engine::submit(Transaction transaction) {
   const std::lock_guard lock(mutex_);
   transaction.key = {
       .source = identity_.source, .epoch = identity_.epoch, .sequence = next_sequence_};
-  transaction.sent_ns = now_ns();
+  transaction.sent_ns = wall_clock_ns();
   if (auto ok = limits::check(transaction); !ok) return ok.error();
   std::string bytes = encode(transaction);
   if (auto ok = limits::check_size(bytes); !ok) return ok.error();
@@ -244,7 +239,7 @@ void Client::Engine::tell_daemon(bool now) {
     state.oldest_kept = oldest_kept_;
     if (daemon_) state.daemon_ns = daemon_->daemon_ns;
   }
-  state.sent_ns = now_ns();
+  state.sent_ns = wall_clock_ns();
   if (auto sent = link_->send(state); !sent) tell(sent.error());
 }
 

@@ -54,6 +54,16 @@ class RefillTest : public testing::Test {
       newest_ = receipt->revision;
     }
   }
+  // Steps up to `all` are durable in "data", and those up to `kept` in "old" too, its copy.
+  void leave_behind(Client& client, std::size_t kept, std::size_t all) {
+    {
+      const Daemon first(path("data"), network_);
+      submit(client, 0, kept);
+    }
+    std::filesystem::copy(path("data"), path("old"), std::filesystem::copy_options::recursive);
+    const Daemon second(path("data"), network_);
+    submit(client, kept, all);
+  }
   [[nodiscard]] std::filesystem::path path(const char* name) const { return folder_.path() / name; }
   std::vector<std::string> events() {
     const std::lock_guard lock(mutex_);
@@ -70,15 +80,7 @@ class RefillTest : public testing::Test {
 
 TEST_F(RefillTest, FillsAStoreThatLostItsEndInANewEra) {
   Client client = connect("spool");
-  {
-    const Daemon first(path("data"), network_);
-    submit(client, 0, 30);
-  }
-  std::filesystem::copy(path("data"), path("old"), std::filesystem::copy_options::recursive);
-  {
-    const Daemon second(path("data"), network_);
-    submit(client, 30, 350);
-  }
+  leave_behind(client, 30, 350);
   const Revision promised = newest_;
   Daemon daemon(path("old"), network_);
   submit(client, 350, 400);
@@ -96,15 +98,7 @@ TEST_F(RefillTest, FillsAStoreThatLostItsEndInANewEra) {
 TEST_F(RefillTest, RaisesTheEraEvenWhereTheClientHasRestartedToo) {
   {
     Client client = connect("spool");
-    {
-      const Daemon first(path("data"), network_);
-      submit(client, 0, 30);
-    }
-    std::filesystem::copy(path("data"), path("old"), std::filesystem::copy_options::recursive);
-    {
-      const Daemon second(path("data"), network_);
-      submit(client, 30, 350);
-    }
+    leave_behind(client, 30, 350);
   }
   const Revision promised = newest_;
   Client client = connect("spool");
@@ -134,15 +128,7 @@ TEST_F(RefillTest, FillsABackupThatWasRestored) {
 TEST_F(RefillTest, GoesOnWithoutAClientThatIsGone) {
   {
     Client client = connect("spool");
-    {
-      const Daemon first(path("data"), network_);
-      submit(client, 0, 10);
-    }
-    std::filesystem::copy(path("data"), path("old"), std::filesystem::copy_options::recursive);
-    {
-      const Daemon second(path("data"), network_);
-      submit(client, 10, 300);
-    }
+    leave_behind(client, 10, 300);
   }
   std::filesystem::remove_all(path("spool"));
   Daemon daemon(path("old"), network_);
