@@ -66,12 +66,15 @@ void CommandDesk::run() {
     const Open& next = open_.front();  // take() adds behind it, and nobody else removes
     lock.unlock();
     const Reply reply = answer_one(next);
+    lock.lock();
+    // Before it is sent: who asks again as soon as the answer is out must get one, too.
+    remember(reply);
+    open_.pop_front();
+    lock.unlock();
     if (!stopping_) transport_.reply(reply);
     lock.lock();
     busy_ = false;
     wake_.notify_all();
-    remember(reply);
-    open_.pop_front();
   }
 }
 

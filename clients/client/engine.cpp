@@ -116,7 +116,8 @@ std::uint64_t Client::Engine::undecided() const {
 bool Client::Engine::has_work(Outgoing::Clock::time_point now) const {
   if (stopping_ || !taken_.empty()) return true;
   if (!daemon_) return false;
-  if (outgoing_.next(last_spooled_) || released_ < daemon_->highest_decided) return true;
+  if ((!damaged_ && outgoing_.next(last_spooled_)) || released_ < daemon_->highest_decided)
+    return true;
   if (now >= told_daemon_ + (news_for_daemon_ ? kTellDaemon : kHeartbeat)) return true;
   const auto retry = outgoing_.next_retry();
   return retry && *retry <= now;
@@ -194,12 +195,13 @@ void Client::Engine::fail_taken(const std::vector<Handle>& batch, const Error& e
 // Fills the window, but lets new submissions reach the disk in between.
 void Client::Engine::send_next(Lock& lock) {
   constexpr int kAtLeast = 32;  // or a steady stream of submissions would keep all from being sent
-  for (int sent_now = 0; (taken_.empty() || sent_now < kAtLeast) && !stopping_; ++sent_now) {
+  for (int sent_now = 0; (taken_.empty() || sent_now < kAtLeast) && !stopping_ && !damaged_;
+       ++sent_now) {
     const auto sequence = outgoing_.next(last_spooled_);
     if (!sequence) return;
     auto record = spool_->read(*sequence);
     auto transaction = record ? decode_transaction(*record) : Result<Transaction>(record.error());
-    if (!transaction) daemon_.reset();  // nothing can be sent in order any more
+    damaged_ = !transaction;  // nothing can be sent in order any more
     const auto sent = transaction ? link_->send(*transaction) : Result<void>(transaction.error());
     if (transaction) outgoing_.sent(std::move(*transaction), Outgoing::Clock::now());
     if (sent) continue;
@@ -302,6 +304,7 @@ void Client::Engine::on_source_state(SourceState state) {
         decided = oldest_kept_ - 1;
       }
       outgoing_.rewind(decided);
+      damaged_ = false;  // perhaps this daemon does not need that record
       released_ = std::min(released_, state.highest_decided);
     }
     daemon_ = std::move(state);

@@ -131,6 +131,7 @@ class Client::Engine final : public LinkListener {
   Outgoing::Clock::time_point told_daemon_{};
   bool news_for_daemon_ = true;
   bool foreign_ = false;  // another program has our name, and the user knows it
+  bool damaged_ = false;  // the next record to send is, and the user knows it
   bool stopping_ = false;
 
   std::optional<EstimateRevisions> estimate_;

@@ -11,7 +11,7 @@
 #include <cerrno>
 #include <fstream>
 
-#include "tests/client/temporary_folder.hpp"
+#include "tests/support/temporary_folder.hpp"
 
 namespace {
 std::atomic<int> failing_syncs = 0;  // so many of the next ones

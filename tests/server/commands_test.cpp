@@ -6,7 +6,7 @@
 #include <future>
 
 #include "cairn/journal/journal.hpp"
-#include "tests/client/temporary_folder.hpp"
+#include "tests/support/temporary_folder.hpp"
 
 namespace cairn {
 namespace {

@@ -12,8 +12,9 @@
 #include "idl/dds/endpoint.hpp"
 #include "server/dds_transport.hpp"
 #include "server/service.hpp"
-#include "tests/client/temporary_folder.hpp"
 #include "tests/server/drive.hpp"
+#include "tests/support/own_domain.hpp"
+#include "tests/support/temporary_folder.hpp"
 
 namespace cairn {
 namespace {
@@ -70,7 +71,7 @@ class RawClient {
 
 class Hostile : public testing::Test {
  protected:
-  static std::uint32_t domain() { return 1 + static_cast<std::uint32_t>(getpid()) % 200; }
+  static std::uint32_t domain() { return test::own_domain(); }
   void SetUp() override {
     ASSERT_TRUE(service_.start());
     raw_.emplace(domain());

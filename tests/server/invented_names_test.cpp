@@ -10,8 +10,8 @@
 #include "clients/client/client.hpp"
 #include "server/memory_transport.hpp"
 #include "server/service.hpp"
-#include "tests/client/temporary_folder.hpp"
 #include "tests/server/drive.hpp"
+#include "tests/support/temporary_folder.hpp"
 #include "tests/wire/listeners.hpp"
 
 namespace cairn {

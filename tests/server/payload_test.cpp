@@ -10,9 +10,9 @@
 #include "server/dds_transport.hpp"
 #include "server/memory_transport.hpp"
 #include "server/service.hpp"
-#include "tests/client/temporary_folder.hpp"
 #include "tests/server/drive.hpp"
 #include "tests/support/own_domain.hpp"
+#include "tests/support/temporary_folder.hpp"
 #include "tests/wire/listeners.hpp"
 
 namespace cairn {
