@@ -108,7 +108,8 @@ Setting text(std::string section, std::string key, std::string meaning, std::siz
 }
 
 const std::vector<Setting>& settings() {
-  constexpr std::int64_t kSecond = 1'000'000'000;
+  constexpr std::int64_t kSecond = 1'000'000'000;  // of nanoseconds
+  constexpr std::int64_t kDay = 86'400'000;        // of milliseconds
   static const std::vector<Setting> all{
       number("network", "domain", "DDS domain; --domain overrides it", {0, 232},
              [](auto& c) -> auto& { return c.domain; }),
@@ -139,6 +140,10 @@ const std::vector<Setting>& settings() {
       number("intake", "kept_decisions",
              "answers kept per source for repetitions; older sequences are stale", {256, 1'000'000},
              [](auto& c) -> auto& { return c.service.limits.kept_decisions; }),
+      number(
+          "payloads", "keep_unnamed_days",
+          "scans and images that no transaction has named are deleted after so long", {1, 36'500},
+          [](auto& c) -> auto& { return c.service.payloads.keep_unnamed; }, kDay),
       choice<LogFormat>("log", "format", "text: lines for people; json: one object per line",
                         {{"text", LogFormat::kText}, {"json", LogFormat::kJson}},
                         [](auto& c) -> auto& { return c.log_format; }),

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "server/payload_store.hpp"
 
+#include "cairn/core/wall_clock.hpp"
+
 namespace cairn {
 namespace {
 
@@ -61,9 +63,11 @@ void PayloadStore::run() {
   while (!stopping_) {
     if (queue_.empty()) {
       ask(lock);
+      if (Clock::now() >= collect_at_) collect(lock);
+      if (stopping_ || !queue_.empty()) continue;
       const auto pause = missing_.empty() ? std::chrono::milliseconds(60'000)
                                           : std::min(options_.patience, options_.ask_again) / 2;
-      changed_.wait_for(lock, pause);
+      changed_.wait_until(lock, std::min(Clock::now() + pause, collect_at_));
       continue;
     }
     const Payload payload = std::move(queue_.front());
@@ -91,6 +95,21 @@ void PayloadStore::store(const Payload& payload) {
     stored_.insert(payload.hash);
   }
   answer(payload, PayloadAnswer::kStored);
+}
+
+void PayloadStore::collect(Lock& lock) {
+  collect_at_ = Clock::now() + options_.collect_every;
+  lock.unlock();
+  const std::int64_t kept_from =
+      wall_clock_ns() - std::chrono::nanoseconds(options_.keep_unnamed).count();
+  const auto collected = journal_.collect_payloads(kept_from, [this] { return !stopping_; });
+  if (!collected && !stopping_)
+    tell_(Severity::kWarning, "payloads were not collected: " + collected.error().to_string());
+  if (collected && *collected > 0)
+    tell_(Severity::kInfo,
+          std::to_string(*collected) + " payloads deleted that no transaction has named for " +
+              std::to_string(options_.keep_unnamed / std::chrono::hours(24)) + " days");
+  lock.lock();
 }
 
 void PayloadStore::ask(Lock& lock) {

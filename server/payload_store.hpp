@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <atomic>
 #include <chrono>
 #include <condition_variable>
 #include <cstdint>
 #include <deque>
+#include <functional>
 #include <map>
 #include <mutex>
 #include <optional>
@@ -19,7 +21,8 @@
 namespace cairn {
 
 /// Keeps payloads in the journal's store and answers for them, on a thread of its own: nobody waits
-/// for megabytes to be synced. Asks for those that accepted transactions name and nobody has sent.
+/// for megabytes to be synced. Asks for those that accepted transactions name and nobody has sent,
+/// deletes those that none has named for days.
 class PayloadStore {
  public:
   using Spool = std::pair<std::string, std::uint64_t>;  ///< source and epoch
@@ -29,10 +32,15 @@ class PayloadStore {
     std::chrono::milliseconds ask_again{10'000};
     int questions = 6;             ///< then it is given up
     std::size_t missing = 10'000;  ///< asked for at a time
+    /// Those that no transaction names are kept so long: theirs may still be on its way.
+    std::chrono::milliseconds keep_unnamed{std::chrono::hours(7 * 24)};
+    std::chrono::milliseconds collect_every{std::chrono::hours(24)};
   };
+  using Tell = std::function<void(Severity, const std::string& text)>;
 
-  PayloadStore(Journal& journal, Transport& transport, Options options)
-      : journal_(journal), transport_(transport), options_(options) {}
+  /// `tell` is called from the store's thread.
+  PayloadStore(Journal& journal, Transport& transport, Options options, Tell tell)
+      : journal_(journal), transport_(transport), options_(options), tell_(std::move(tell)) {}
   ~PayloadStore() { stop(); }
 
   void start();
@@ -58,10 +66,13 @@ class PayloadStore {
   void run();
   void store(const Payload& payload);
   void ask(Lock& lock);
+  void collect(Lock& lock);
 
   Journal& journal_;
   Transport& transport_;
   Options options_;
+  Tell tell_;
+  Clock::time_point collect_at_{};  ///< of the thread; first at its start
 
   std::mutex mutex_;  // guards what follows
   std::condition_variable changed_;
@@ -70,7 +81,7 @@ class PayloadStore {
   std::optional<Spool> storing_;  ///< whose payload is being stored; nobody's once forgotten
   std::map<ContentHash, Missing> missing_;
   std::set<ContentHash> stored_;  ///< in this run, the last thousands: need not be looked up
-  bool stopping_ = false;
+  std::atomic<bool> stopping_{false};
   std::thread thread_;
 };
 

@@ -181,7 +181,9 @@ class Service final : private TransportListener {
   std::optional<double> chi2_;          ///< of the last solve, where this process knows it
   std::optional<Revision> unsolvable_;  ///< the map of which the last solve failed
   std::uint64_t snapshot_at_ = 0;       ///< the record that the newest snapshot is after
-  PayloadStore payloads_{journal_, transport_, options_.payloads};
+  PayloadStore payloads_{
+      journal_, transport_, options_.payloads,
+      [this](Severity severity, const std::string& text) { announce(severity, "payloads", text); }};
   Refill refill_{options_.refill};
   int eras_raised_ = 0;                      ///< by clients' receipts
   std::set<Writers::Spool> changed_spools_;  ///< their state is to be published

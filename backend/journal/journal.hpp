@@ -100,14 +100,16 @@ class Journal {
   /// Records lost are named by the old.
   Result<void> raise_era(std::uint32_t above = 0);
 
-  /// Stores bytes under their content hash, durably. Storing them again does nothing.
+  /// Stores bytes under their content hash, durably. Those that are stored already count as new.
   Result<ContentHash> put_payload(std::string_view bytes);
   [[nodiscard]] bool has_payload(const ContentHash& hash) const;
   [[nodiscard]] Result<std::string> read_payload(const ContentHash& hash) const;
-  /// Deletes payloads that nothing refers to; gives their number. A payload whose transaction is
-  /// still to come must count as referenced.
-  Result<std::uint64_t> collect_payloads(
-      const std::function<bool(const ContentHash&)>& is_referenced);
+  /// Deletes payloads that came before this time (nanoseconds since 1970) and that no accepted
+  /// transaction names; gives their number. Reads all records if there are old ones of which it is
+  /// not known that they are named, and ends with an error once `go_on` says no. Not beside
+  /// put_payload.
+  Result<std::uint64_t> collect_payloads(std::int64_t before_ns,
+                                         const std::function<bool()>& go_on);
 
   /// Stores the estimates after record `number`, so that a start need not replay what is before.
   /// The two newest are kept.

@@ -47,7 +47,8 @@ Status copy_payloads(Store& remains, Store& fresh, std::uint64_t& kept) {
       remains.db().NewIterator(rocksdb::ReadOptions(), remains.payloads()));
   for_each_readable(*it, [&] {
     if (it->key().size() != sizeof(ContentHash)) return;
-    batch.Put(fresh.payloads(), it->key(), it->value());
+    fresh.put_payload(batch, ByteReader(it->key().ToStringView()).hash(),
+                      it->value().ToStringView());
     ++kept;
     if (status.ok()) status = pass_on(fresh, batch, kBatchBytes);
   });
@@ -98,9 +99,8 @@ class Gathering : public WriteBatch::Handler {
   void keep(const rocksdb::Slice& key, const rocksdb::Slice& value) {
     if (Store::belongs_to_records(key)) {
       batch_.Put(key, value);
-    } else if (key.size() == sizeof(ContentHash) &&
-               key.compare(slice(content_hash({value.data(), value.size()}))) == 0) {
-      batch_.Put(into_.payloads(), key, value);
+    } else if (const ContentHash hash = content_hash(value.ToStringView()); key == slice(hash)) {
+      into_.put_payload(batch_, hash, value.ToStringView());
     } else {
       return;
     }

@@ -6,6 +6,7 @@
 #include <algorithm>
 
 #include "cairn/core/bytes.hpp"
+#include "cairn/core/wall_clock.hpp"
 #include "cairn/journal/record.hpp"
 
 namespace cairn {
@@ -18,6 +19,7 @@ constexpr char kPayloads[] = "payloads";
 constexpr char kIdentityKey[] = "m";
 // In the column family of payloads, beside the identity; part of format 1.
 constexpr char kPayloadMarkKey[] = "";
+constexpr char kPayloadTimeKey = 't';
 constexpr std::size_t kSmallestBlobBytes = 4096;
 
 bool changes_nothing(Store::Mode mode) {
@@ -73,6 +75,10 @@ rocksdb::WriteOptions synced() {
 }
 
 bool is_record(const rocksdb::Slice& key) { return key.size() == 9 && key[0] == 'r'; }
+
+std::string payload_time_key(const ContentHash& hash) {
+  return kPayloadTimeKey + slice(hash).ToString();
+}
 
 std::string_view view(const rocksdb::Slice& slice) { return {slice.data(), slice.size()}; }
 
@@ -204,6 +210,41 @@ Store::Walk Store::walk(const ChainPoint& after,
   }
   if (!it->status().ok()) return problem(it->status().ToString());
   return walk;
+}
+
+void Store::put_payload(rocksdb::WriteBatch& batch, const ContentHash& hash,
+                        std::string_view bytes) {
+  batch.Put(payloads_, slice(hash), slice(bytes));
+  put_payload_time(batch, hash);
+}
+
+void Store::put_payload_time(rocksdb::WriteBatch& batch, const ContentHash& hash) {
+  std::string now;
+  ByteWriter(now).integer(wall_clock_ns());
+  batch.Put(payloads_, payload_time_key(hash), now);
+}
+
+void Store::delete_payload(rocksdb::WriteBatch& batch, const ContentHash& hash) {
+  batch.Delete(payloads_, slice(hash));
+  forget_payload_time(batch, hash);
+}
+
+void Store::forget_payload_time(rocksdb::WriteBatch& batch, const ContentHash& hash) {
+  batch.Delete(payloads_, payload_time_key(hash));
+}
+
+Result<void> Store::walk_payload_times(
+    const std::function<void(const ContentHash&, std::int64_t)>& visit) {
+  const std::unique_ptr<rocksdb::Iterator> it(db_->NewIterator(rocksdb::ReadOptions(), payloads_));
+  const std::string prefix(1, kPayloadTimeKey);
+  for (it->Seek(prefix); it->Valid() && it->key().starts_with(prefix); it->Next()) {
+    if (it->key().size() != 1 + sizeof(ContentHash)) continue;  // a payload's hash may begin so
+    std::string_view hash = view(it->key());
+    hash.remove_prefix(1);
+    visit(ByteReader(hash).hash(), ByteReader(view(it->value())).integer<std::int64_t>());
+  }
+  if (!it->status().ok()) return storage_error(it->status(), folder_ + ": payloads");
+  return {};
 }
 
 Result<void> Store::walk_payloads(

@@ -27,7 +27,7 @@ struct ChainPoint {
 
 /// The RocksDB store of a data folder. Records and identity are in the default column family
 /// ("m" -> identity, "r" + number, big-endian -> encoded record), payloads in one of their own
-/// (content hash -> bytes; large ones in blob files).
+/// (content hash -> bytes, large ones in blob files; "t" + hash -> when it came).
 class Store {
  public:
   enum class Mode {
@@ -68,6 +68,15 @@ class Store {
   };
   Walk walk(const ChainPoint& after, const std::function<Result<void>(std::string_view)>& visit);
 
+  /// The payload, with the time at which it came: now.
+  void put_payload(rocksdb::WriteBatch& batch, const ContentHash& hash, std::string_view bytes);
+  void put_payload_time(rocksdb::WriteBatch& batch, const ContentHash& hash);
+  void delete_payload(rocksdb::WriteBatch& batch, const ContentHash& hash);
+  /// From here on it stays for ever.
+  void forget_payload_time(rocksdb::WriteBatch& batch, const ContentHash& hash);
+  /// Visits the times at which payloads came, nanoseconds since 1970.
+  Result<void> walk_payload_times(
+      const std::function<void(const ContentHash&, std::int64_t)>& visit);
   /// Visits payloads in order of hash. False from the visitor stops.
   Result<void> walk_payloads(
       const std::function<bool(const ContentHash&, std::string_view)>& visit);

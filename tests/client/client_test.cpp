@@ -14,7 +14,6 @@
 #include "tests/client/fake_daemon.hpp"
 #include "tests/support/own_domain.hpp"
 #include "tests/support/temporary_folder.hpp"
-#include "tests/wire/ddsc_suppressions.hpp"
 #include "tests/wire/listeners.hpp"
 #include "tests/wire/messages.hpp"
 

@@ -5,6 +5,7 @@
 
 #include <thread>
 
+#include "cairn/core/wall_clock.hpp"
 #include "tests/journal/records.hpp"
 #include "tests/support/temporary_folder.hpp"
 
@@ -137,7 +138,7 @@ TEST(Journal, StopsAtAFullDiskAndResumes) {
   EXPECT_EQ(journal->head().chain, some_chain(10)[10]);
 }
 
-TEST(Payloads, AreFoundByTheirHashAndCollectedByReference) {
+TEST(Payloads, AreFoundByTheirHash) {
   TemporaryFolder folder;
   ContentHash small, large;
   {
@@ -149,10 +150,49 @@ TEST(Payloads, AreFoundByTheirHashAndCollectedByReference) {
   const auto journal = open_journal(folder.file("data"));
   EXPECT_EQ(*journal->read_payload(small), "scan");
   EXPECT_EQ(journal->read_payload(large)->size(), 100'000u);
-  EXPECT_EQ(*journal->collect_payloads([&](const ContentHash& hash) { return hash == small; }), 1u);
-  EXPECT_TRUE(journal->has_payload(small));
-  EXPECT_FALSE(journal->has_payload(large));
   EXPECT_TRUE(journal->verify());
+}
+
+TEST(Payloads, ThatNoTransactionNamesAreCollectedOnceTheyAreOld) {
+  TemporaryFolder folder;
+  const auto journal = open_journal(folder.file("data"));
+  const ContentHash named = *journal->put_payload("a scan that became a factor");
+  const ContentHash refused = *journal->put_payload("a scan of a refused transaction");
+  const ContentHash unnamed = *journal->put_payload(std::string(100'000, 'x'));
+  Transaction accepted = test::some_transaction(1);
+  ASSERT_FALSE(accepted.factors.empty());
+  accepted.factors[0].payloads = {named};
+  const std::vector<RecordBody> records{
+      TransactionRecord{accepted, {}, 0},
+      TransactionRecord{
+          RefusedTransaction{test::some_transaction(2).key, RefusalCode::kConflict, "why"}, {}, 0}};
+  ASSERT_TRUE(journal->append(records));
+
+  const auto go_on = [] { return true; };
+  const std::int64_t before_all = wall_clock_ns() - std::int64_t{3'600'000'000'000};
+  EXPECT_EQ(*journal->collect_payloads(before_all, go_on), 0u);
+  const std::int64_t after_all = wall_clock_ns() + 1;
+  EXPECT_FALSE(journal->collect_payloads(after_all, [] { return false; })) << "was told to stop";
+  EXPECT_TRUE(journal->has_payload(unnamed));
+  EXPECT_EQ(*journal->collect_payloads(after_all, go_on), 2u);
+  EXPECT_TRUE(journal->has_payload(named));
+  EXPECT_FALSE(journal->has_payload(refused));
+  EXPECT_FALSE(journal->has_payload(unnamed));
+  EXPECT_EQ(*journal->collect_payloads(after_all, [] { return false; }), 0u)
+      << "what is known to be named is not looked for again";
+  EXPECT_TRUE(journal->verify());
+}
+
+TEST(Payloads, StoredAgainCountAsNew) {
+  TemporaryFolder folder;
+  const auto journal = open_journal(folder.file("data"));
+  const ContentHash hash = *journal->put_payload("scan");
+  const std::int64_t between = wall_clock_ns() + 1;
+  while (wall_clock_ns() <= between) {
+  }
+  ASSERT_TRUE(journal->put_payload("scan"));
+  EXPECT_EQ(*journal->collect_payloads(between, [] { return true; }), 0u);
+  EXPECT_TRUE(journal->has_payload(hash));
 }
 
 TEST(Snapshots, AreKeptTwoAndTheNewestWholeOneIsFound) {

@@ -103,7 +103,8 @@ TEST(PayloadStore, RefusesWrongHashesAndAsksForWhatTransactionsName) {
   const auto link = network.make_link({.source = "s", .epoch = 5, .writer = 1});
   test::RecordingClient client;
   ASSERT_TRUE(link->start(client));
-  PayloadStore store(*journal, *transport, {.patience = 20ms, .ask_again = 50ms});
+  PayloadStore store(*journal, *transport, {.patience = 20ms, .ask_again = 50ms},
+                     [](Severity, const std::string& text) { ADD_FAILURE() << text; });
   store.start();
   Payload payload{.source = "s", .epoch = 5, .number = 1, .hash = content_hash("x")};
   payload.bytes = "y";
@@ -121,6 +122,27 @@ TEST(PayloadStore, RefusesWrongHashesAndAsksForWhatTransactionsName) {
   EXPECT_TRUE(journal->has_payload(payload.hash));
   store.stop();
   link->stop();
+  transport->stop();
+}
+
+TEST(PayloadStore, DeletesWhatNobodyNamesAndSaysSo) {
+  const test::TemporaryFolder folder;
+  const MemoryNetwork network;
+  const auto journal = *Journal::open((folder.path() / "data").string());
+  const auto transport = network.make_transport();
+  test::RecordingDaemon nobody;
+  ASSERT_TRUE(transport->start(nobody));
+  test::Inbox<std::string> told;
+  PayloadStore store(*journal, *transport,
+                     {.patience = 10ms, .keep_unnamed = 0ms, .collect_every = 10ms},
+                     [&](Severity, const std::string& text) { told.add(text); });
+  store.start();
+  Payload payload{.source = "s", .epoch = 5, .number = 1, .hash = content_hash("x")};
+  payload.bytes = "x";
+  store.take(payload);
+  EXPECT_EQ(told.wait_for(1).at(0), "1 payloads deleted that no transaction has named for 0 days");
+  EXPECT_FALSE(journal->has_payload(payload.hash));
+  store.stop();
   transport->stop();
 }
 
