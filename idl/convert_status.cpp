@@ -77,6 +77,12 @@ cairn_wire_Status to_wire(const Status& status, Arena& arena) {
   const std::size_t count = std::min(status.sources.size(), limits::kSources);
   auto* sources = make_sequence(wire.sources, count, arena);
   for (std::size_t i = 0; i < count; ++i) sources[i] = to_wire(status.sources[i], arena);
+  double* datum = make_sequence(wire.datum, status.datum ? 3 : 0, arena);
+  if (status.datum) {
+    *datum++ = status.datum->latitude_deg;
+    *datum++ = status.datum->longitude_deg;
+    *datum = status.datum->height_m;
+  }
   return wire;
 }
 
@@ -99,6 +105,8 @@ Result<Status> from_wire(const cairn_wire_Status& wire) {
   if (checks.count("sources", wire.sources._length, limits::kSources))
     for (std::uint32_t i = 0; i < wire.sources._length; ++i)
       status.sources.push_back(read_source(checks, wire.sources._buffer[i]));
+  const std::vector<double> datum = checks.numbers("datum", wire.datum, 3);
+  if (datum.size() == 3) status.datum = Geodetic{datum[0], datum[1], datum[2]};
   return checks.result(std::move(status));
 }
 

@@ -10,6 +10,7 @@
 
 #include "cairn/core/content_hash.hpp"
 #include "cairn/core/result.hpp"
+#include "cairn/geometry/geodesy.hpp"
 #include "cairn/graph/transaction.hpp"
 
 /// What travels between daemon and clients besides transactions and receipts, without middleware.
@@ -185,6 +186,7 @@ struct Status {
   std::uint64_t disk_free_bytes = 0;
   std::string message{};  ///< what needs attention; empty: nothing
   std::vector<SourceStatus> sources{};
+  std::optional<Geodetic> datum{};  ///< the map is the east-north-up frame there
 };
 
 enum class Severity : std::uint8_t { kInfo = 0, kWarning = 1, kError = 2 };

@@ -129,6 +129,7 @@ Status Service::make_status() const {
   status.variables = head_.graph().nodes.size();
   status.factors = head_.graph().factors.size();
   status.chi2 = chi2_.value_or(0.0);
+  status.datum = head_.graph().datum;
   status.memory_bytes = resident_bytes();
   status.disk_free_bytes = journal_.free_bytes();
   if (!damage_.empty()) status.message = "the store was damaged: " + damage_;

@@ -40,6 +40,9 @@ nlohmann::ordered_json to_json(const Status& status, bool is_folder) {
   json["chi2"] = or_null(!is_folder && status.estimate.solved.number > 0, status.chi2);
   json["variables"] = status.variables;
   json["factors"] = status.factors;
+  json["datum"] = status.datum ? Json{status.datum->latitude_deg, status.datum->longitude_deg,
+                                      status.datum->height_m}
+                               : Json();
   json["memory_bytes"] = or_null(!is_folder, status.memory_bytes);
   json["disk_free_bytes"] = status.disk_free_bytes;
   json["message"] = status.message;

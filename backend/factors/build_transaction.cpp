@@ -27,6 +27,13 @@ std::vector<double> numbers_of(const Se3& pose) {
   return {t.x(), t.y(), t.z(), q.x(), q.y(), q.z(), q.w()};
 }
 
+template <class Matrix>
+void add_upper_triangle(std::vector<double>& numbers, const Matrix& matrix) {
+  for (Eigen::Index row = 0; row < matrix.rows(); ++row)
+    for (Eigen::Index column = row; column < matrix.cols(); ++column)
+      numbers.push_back(matrix(row, column));
+}
+
 template <class Pose, class Information>
 void add_factor(Transaction& transaction, std::string_view type, const NodeId& a, const NodeId& b,
                 const Pose& T_a_b, const Information& information, FactorKind kind) {
@@ -35,9 +42,7 @@ void add_factor(Transaction& transaction, std::string_view type, const NodeId& a
   factor.kind = kind;
   factor.nodes = {a, b};
   factor.numbers = numbers_of(T_a_b);
-  for (Eigen::Index row = 0; row < information.rows(); ++row)
-    for (Eigen::Index column = row; column < information.cols(); ++column)
-      factor.numbers.push_back(information(row, column));
+  add_upper_triangle(factor.numbers, information);
   transaction.factors.push_back(std::move(factor));
 }
 
@@ -63,6 +68,23 @@ void add_between(Transaction& transaction, const NodeId& a, const NodeId& b, con
 void add_between(Transaction& transaction, const NodeId& a, const NodeId& b, const Se3& T_a_b,
                  const Eigen::Matrix<double, 6, 6>& information, FactorKind kind) {
   add_factor(transaction, "between_se3", a, b, T_a_b, information, kind);
+}
+
+void add_gnss(Transaction& transaction, const NodeId& node, const Eigen::Vector3d& p_body_antenna,
+              const Geodetic& antenna, const Eigen::Matrix3d& information, const Geodetic& datum) {
+  const LocalFrame map(datum);
+  const Eigen::Vector3d p_map_antenna = map.to_local(antenna);
+  const Eigen::Matrix3d R_map_enu = map.axes_of(LocalFrame(antenna));
+  const Eigen::Matrix3d turned = R_map_enu * information * R_map_enu.transpose();
+  NewFactor factor;
+  factor.type = type_named("gnss_se3");
+  factor.kind = FactorKind::kOther;
+  factor.nodes = {node};
+  factor.numbers.assign(p_body_antenna.begin(), p_body_antenna.end());
+  factor.numbers.insert(factor.numbers.end(), p_map_antenna.begin(), p_map_antenna.end());
+  add_upper_triangle(factor.numbers, turned);
+  set_datum(factor, datum);
+  transaction.factors.push_back(std::move(factor));
 }
 
 }  // namespace cairn

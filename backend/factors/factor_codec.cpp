@@ -167,6 +167,14 @@ struct Codec {
 
 constexpr const char* kNotUnit = "a quaternion is not of unit length (1e-3)";
 
+// Positions of GNSS are in the frame at a datum: latitude, longitude and height end the numbers.
+constexpr std::size_t kDatumNumbers = 3;
+
+Geodetic last_three(const std::vector<double>& numbers) {
+  const double* datum = numbers.data() + numbers.size() - kDatumNumbers;
+  return {datum[0], datum[1], datum[2]};
+}
+
 template <class F>
 Codec codec(std::uint16_t number) {
   F zero{};
@@ -202,15 +210,41 @@ Codec codec(std::uint16_t number) {
           }};
 }
 
+// As F, at a datum. A graph holds both alike.
+template <class F>
+Codec at_datum(std::uint16_t number, std::string_view name) {
+  Codec as = codec<F>(number);
+  as.info.name = name;
+  as.info.numbers += kDatumNumbers;
+  as.info.at_datum = true;
+  as.describe = [](const FactorBatch&, std::size_t, NewFactor&) { return false; };
+  return as;
+}
+
 const std::vector<Codec>& codecs() {
   static const std::vector<Codec> all{
-      codec<BetweenSe2>(1),      codec<BetweenSe3>(2),       codec<PriorSe2>(3),
-      codec<PriorSe3>(4),        codec<PriorXy>(5),          codec<LandmarkXy>(6),
-      codec<LandmarkXyz>(7),     codec<BetweenOffsetSe2>(8), codec<BetweenOffsetSe3>(9),
-      codec<BearingXy>(10),      codec<RangeXy>(11),         codec<RangeXyz>(12),
-      codec<RangeBearingXy>(13), codec<RangeBearingXyz>(14), codec<GnssSe2>(15),
-      codec<GnssSe3>(16),        codec<Altitude>(17),        codec<YawSe2>(18),
-      codec<YawSe3>(19),         codec<Gravity>(20),
+      codec<BetweenSe2>(1),
+      codec<BetweenSe3>(2),
+      codec<PriorSe2>(3),
+      codec<PriorSe3>(4),
+      codec<PriorXy>(5),
+      codec<LandmarkXy>(6),
+      codec<LandmarkXyz>(7),
+      codec<BetweenOffsetSe2>(8),
+      codec<BetweenOffsetSe3>(9),
+      codec<BearingXy>(10),
+      codec<RangeXy>(11),
+      codec<RangeXyz>(12),
+      codec<RangeBearingXy>(13),
+      codec<RangeBearingXyz>(14),
+      codec<GnssSe2>(15),
+      codec<GnssSe3>(16),
+      codec<Altitude>(17),
+      codec<YawSe2>(18),
+      codec<YawSe3>(19),
+      codec<Gravity>(20),
+      at_datum<GnssSe2>(21, "gnss_se2_at_datum"),
+      at_datum<GnssSe3>(22, "gnss_se3_at_datum"),
   };
   return all;
 }
@@ -288,7 +322,30 @@ std::optional<FactorFault> find_fault(const NewFactor& factor) {
       }
     }
   }
+  if (codec->info.at_datum && !is_place(last_three(factor.numbers)))
+    return FactorFault{RefusalCode::kMalformed,
+                       name + " has a datum that is no latitude, longitude and height (deg, m)"};
   return codec->find_fault(factor);
+}
+
+std::optional<Geodetic> datum_of(const NewFactor& factor) {
+  const Codec* codec = find_codec(factor.type);
+  if (codec == nullptr || !codec->info.at_datum) return std::nullopt;
+  return last_three(factor.numbers);
+}
+
+bool set_datum(NewFactor& factor, const Geodetic& datum) {
+  const FactorTypeInfo* without = find_factor_type(factor.type);
+  for (const FactorTypeInfo& with : factor_types()) {
+    if (without == nullptr || !with.at_datum ||
+        with.name != std::string(without->name) + "_at_datum")
+      continue;
+    factor.type = with.type;
+    factor.numbers.insert(factor.numbers.end(),
+                          {datum.latitude_deg, datum.longitude_deg, datum.height_m});
+    return true;
+  }
+  return false;
 }
 
 Result<FactorRef> add_factor(Graph& graph, const NewFactor& factor,

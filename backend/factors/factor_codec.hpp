@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <optional>
 #include <span>
 #include <string_view>
 #include <vector>
 
 #include "cairn/core/result.hpp"
+#include "cairn/geometry/geodesy.hpp"
 #include "cairn/graph/graph.hpp"
 #include "cairn/graph/transaction.hpp"
 
@@ -17,7 +19,8 @@ struct FactorTypeInfo {
   FactorType type;
   std::string_view name;  ///< the factor's kName
   std::vector<VariableType> signature;
-  std::size_t numbers;  ///< how many NewFactor::numbers holds: see backend/factors/README.md
+  std::size_t numbers;    ///< how many NewFactor::numbers holds: see backend/factors/README.md
+  bool at_datum = false;  ///< its map positions are in the frame at a datum that it names
 };
 
 /// All known types, ascending.
@@ -36,6 +39,11 @@ struct FactorFault {
   std::string reason;
 };
 std::optional<FactorFault> find_fault(const NewFactor& factor);
+
+/// The datum that a factor without fault names: its map is the east-north-up frame there.
+std::optional<Geodetic> datum_of(const NewFactor& factor);
+/// Makes a GNSS factor one at this datum. False, and no change, for other factors.
+bool set_datum(NewFactor& factor, const Geodetic& datum);
 
 /// Adds a factor without fault between existing variables.
 Result<FactorRef> add_factor(Graph& graph, const NewFactor& factor,

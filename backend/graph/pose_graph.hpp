@@ -3,9 +3,11 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "cairn/geometry/geodesy.hpp"
 #include "cairn/graph/chunked_vector.hpp"
 #include "cairn/graph/transaction.hpp"
 
@@ -53,6 +55,7 @@ struct PoseGraph {
   ChunkedVector<StoredNode> nodes;
   ChunkedVector<Estimate> estimates;  ///< by node: T_map_body or p_map
   ChunkedVector<StoredFactor> factors;
+  std::optional<Geodetic> datum;  ///< of all GNSS factors, where they have one: the map is there
 };
 
 }  // namespace cairn

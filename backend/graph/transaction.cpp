@@ -144,6 +144,8 @@ std::string_view to_string(RefusalCode code) {
       return "source name taken";
     case RefusalCode::kVersion:
       return "newer format";
+    case RefusalCode::kDatum:
+      return "other datum";
     case RefusalCode::kStorageFull:
       return "storage full";
     case RefusalCode::kBusy:

@@ -88,6 +88,7 @@ enum class RefusalCode : std::uint8_t {
   kStale = 6,            ///< before what is kept, or of an epoch that a newer one closed
   kForeignSource = 7,    ///< another writer lives under this name; not journaled, offered again
   kVersion = 8,          ///< of a newer format than this daemon knows
+  kDatum = 9,            ///< positions of GNSS at another datum than the map's
   // Retryable: not journaled, the sequence stays free.
   kStorageFull = 100,
   kBusy = 101,

@@ -207,7 +207,9 @@ Result<std::string> answer_export_graph(const Question& question, const Asked& a
   const std::vector<VariableId> ids = choose_ids(*content);
   const Result<std::string> graph = write_graph_text(to_document(*content, ids), GraphFormat::kG2o);
   if (!graph) return graph.error();
-  return join_files({{"graph", *graph}, {"ids", describe_ids(*content, ids)}});
+  const auto& datum = content->map.datum;
+  const std::string place = datum ? "# east-north-up at " + to_string(*datum) + '\n' : "";
+  return join_files({{"graph", place + *graph}, {"ids", describe_ids(*content, ids)}});
 }
 
 Result<std::string> answer_export_trajectory(const Question& question, const Asked& asked) {

@@ -76,7 +76,7 @@ Result<RecordBody> read_transaction(ByteReader& from) {
   }
   RefusedTransaction refused;
   refused.code = static_cast<RefusalCode>(code);
-  if (code > static_cast<std::uint8_t>(RefusalCode::kVersion))
+  if (code > static_cast<std::uint8_t>(RefusalCode::kDatum))
     from.fail("has a refusal code that is not a final one");
   refused.key = read_key(from);
   refused.reason = from.text();

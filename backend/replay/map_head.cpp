@@ -38,6 +38,7 @@ std::optional<Refusal> MapHead::check(const Transaction& transaction) const {
   if (auto refusal = check_name("the source's name", transaction.key.source)) return refusal;
   if (auto refusal = check_variables(transaction)) return refusal;
   if (auto refusal = check_factors(transaction)) return refusal;
+  if (auto refusal = check_datum(transaction)) return refusal;
   return check_edits(transaction);
 }
 
@@ -94,6 +95,22 @@ std::optional<Refusal> MapHead::check_factors(const Transaction& transaction) co
                                                     std::string(to_string(*type)) + ' ' + name};
       }
     }
+  }
+  return std::nullopt;
+}
+
+// One map, one datum: positions of another would be kilometres off without a word.
+std::optional<Refusal> MapHead::check_datum(const Transaction& transaction) const {
+  std::optional<Geodetic> expected = graph_.datum;
+  for (std::size_t i = 0; i < transaction.factors.size(); ++i) {
+    const auto datum = datum_of(transaction.factors[i]);
+    if (!datum || datum == expected) continue;
+    if (expected)
+      return Refusal{RefusalCode::kDatum, "factor " + std::to_string(i) + ": its datum is " +
+                                              to_string(*datum) + ", that of this map is " +
+                                              to_string(*expected) +
+                                              ": send positions in the frame at that datum"};
+    expected = datum;
   }
   return std::nullopt;
 }
@@ -158,6 +175,7 @@ void MapHead::apply(const Transaction& transaction, const Revision& revision) {
     StoredFactor stored{{transaction.key, i},    factor.type, factor.kind,
                         FactorState::kCommitted, {},          factor.numbers};
     for (const NodeId& node : factor.nodes) stored.nodes.push_back(*find(node));
+    if (const auto datum = datum_of(factor)) graph_.datum = datum;
     graph_.factors.push_back(std::move(stored));
   }
   compose_from(first_new);

@@ -42,6 +42,7 @@ class MapHead {
  private:
   [[nodiscard]] std::optional<Refusal> check_variables(const Transaction& transaction) const;
   [[nodiscard]] std::optional<Refusal> check_factors(const Transaction& transaction) const;
+  [[nodiscard]] std::optional<Refusal> check_datum(const Transaction& transaction) const;
   [[nodiscard]] std::optional<Refusal> check_edits(const Transaction& transaction) const;
   [[nodiscard]] std::optional<VariableType> type_of(const NodeId& node,
                                                     const Transaction& transaction) const;

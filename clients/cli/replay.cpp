@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "cairn/core/exit_code.hpp"
+#include "cairn/factors/factor_codec.hpp"
 #include "clients/cli/choices.hpp"
 #include "clients/cli/console.hpp"
 #include "clients/cli/fleet.hpp"
@@ -26,6 +27,7 @@ struct ReplayArguments {
   double rate_hz = 0.0;
   double timeout_s = 30.0;
   std::string spool, prefix;
+  std::vector<double> datum;                     // latitude, longitude, height; or nothing
   std::pair<double, double> outage_s{0.0, 0.0};  // from, for
   bool settle = false, quiet = false;
 };
@@ -138,11 +140,25 @@ Result<void> send_all(Fleet& fleet, const ReplayArguments& a, const Console& con
   return {};
 }
 
+Result<void> set_datum(Fleet& fleet, const std::vector<double>& numbers) {
+  if (numbers.empty()) return {};
+  const Geodetic datum{numbers[0], numbers[1], numbers[2]};
+  if (!is_place(datum))
+    return Error{
+        ErrorCode::kUsage,
+        "--datum expects latitude, longitude (deg) and height (m), found " + to_string(datum)};
+  for (FleetRobot& robot : fleet.robots)
+    for (Transaction& transaction : robot.transactions)
+      for (NewFactor& factor : transaction.factors) set_datum(factor, datum);
+  return {};
+}
+
 int run_replay(const ReplayArguments& a) {
   const Console console(false, a.quiet);
   Result<Fleet> fleet = read_fleet(a.files, a.prefix);
   if (!fleet) return fail(fleet.error());
   for (const std::string& warning : fleet->warnings) Console::warn("warning: " + warning);
+  if (auto set = set_datum(*fleet, a.datum); !set) return fail(set.error());
   std::vector<std::size_t> counts;
   for (const FleetRobot& robot : fleet->robots) counts.push_back(robot.transactions.size());
   std::vector<Client> clients;
@@ -174,6 +190,13 @@ Run add_replay(CLI::App& parent, CLI::App*& verb) {
       ->type_name("DIR");
   verb->add_option("--prefix", a->prefix, "put this before the robots' names")
       ->type_name("TEXT")
+      ->default_str("");
+  verb->add_option(
+          "--datum", a->datum,
+          "where on earth the origin of the files' GNSS positions lies (deg, m; WGS-84), x "
+          "to the east and y to the north")
+      ->expected(3)
+      ->type_name("LAT LON HEIGHT")
       ->default_str("");
   verb->add_option("--outage", a->outage_s,
                    "cut the link after so many seconds, for so many: to see that nothing is lost")

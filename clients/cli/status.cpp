@@ -44,6 +44,7 @@ Result<Json> status_of_folder(const std::string& folder) {
   status.estimate = {head.graph().graph_revision, head.graph().solved_revision};
   status.variables = head.graph().nodes.size();
   status.factors = head.graph().factors.size();
+  status.datum = head.graph().datum;
   std::error_code ignored;
   status.disk_free_bytes = std::filesystem::space(folder, ignored).available;
   for (const auto& [name, counters] : sequencer.counters()) {
@@ -146,6 +147,9 @@ void print_text(const Json& status) {
                              (chi2.is_null() ? "" : number_text(", chi2 %.9g", chi2)));
   print_line("map", text_of(status["variables"]) + " variables, " + text_of(status["factors"]) +
                         " factors");
+  if (const Json& datum = status["datum"]; !datum.is_null())
+    print_line("datum", number_text("%.9g N ", datum[0]) + number_text("%.9g E ", datum[1]) +
+                            number_text("%.6g m", datum[2]));
   if (const Json& memory = status["memory_bytes"]; !memory.is_null())
     print_line("memory", size_text(memory));
   print_line("disk", size_text(status["disk_free_bytes"]) + " free");

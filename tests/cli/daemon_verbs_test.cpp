@@ -144,6 +144,27 @@ TEST_F(DaemonVerbs, ReplayingTwiceSaysWhatToDo) {
   EXPECT_EQ(json::parse(ask({"status", "--json"}).out)["variables"], 20);
 }
 
+TEST_F(DaemonVerbs, TakeGnssAtOneDatum) {
+  ASSERT_EQ(run_cairn({"simulate", "landmarks", "--sensor", "gnss3", "--poses", "30", "-o",
+                       file("fixes.g2o")})
+                .exit_code,
+            0);
+  start();
+  const auto bad = replay({file("fixes.g2o"), "--datum", "91", "8.5", "400"});
+  EXPECT_EQ(bad.exit_code, 2);
+  EXPECT_THAT(bad.err, HasSubstr("--datum expects latitude, longitude (deg) and height (m), found "
+                                 "91 8.5 400"));
+  const auto first = replay({file("fixes.g2o"), "--datum", "47.25", "8.5", "400"});
+  EXPECT_EQ(first.exit_code, 0) << first.err;
+  const auto status = json::parse(ask({"status", "--json"}).out);
+  EXPECT_EQ(status["datum"], (json{47.25, 8.5, 400.0}));
+  EXPECT_THAT(ask({"status"}).out, HasSubstr("47.25 N 8.5 E 400 m"));
+  const auto other = replay({file("fixes.g2o"), "--prefix", "b-", "--datum", "47.5", "8.5", "400"});
+  EXPECT_EQ(other.exit_code, 4);
+  EXPECT_THAT(other.err, HasSubstr("was refused: other datum: factor 0: its datum is 47.5 8.5 400, "
+                                   "that of this map is 47.25 8.5 400"));
+}
+
 // Poses and landmarks as a watching program receives them, so many in all. They come on topics of
 // their own, in any order.
 struct Received {

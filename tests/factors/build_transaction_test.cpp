@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "cairn/factors/factor_codec.hpp"
 
 namespace cairn {
@@ -48,6 +50,29 @@ TEST(BuildTransaction, WritesPosesInSpaceAsTheCodecDoes) {
   const Se3 a(So3(Eigen::Quaterniond(0.6, 0.0, 0.8, 0.0)), {1.0, 2.0, 3.0});
   const Se3 b(So3(Eigen::Quaterniond(-0.6, 0.8, 0.0, 0.0)), {0.1, 0.2, 0.3});
   expect_the_codecs_numbers<Se3, 6>(a, b, VariableType::kPose3);
+}
+
+TEST(BuildTransaction, AddsAFixInTheFrameAtTheDatum) {
+  const Geodetic datum{47.0, 8.0, 400.0};
+  const Eigen::Matrix3d information = Eigen::Vector3d(4.0, 3.0, 1.0).asDiagonal();
+  Transaction built;
+  const NodeId node{{"r", 1}, 1};
+  add_gnss(built, node, {0.1, 0.2, 0.3}, datum, information, datum);
+  // A hundred kilometres to the north the vertical leans by almost a degree.
+  add_gnss(built, node, {}, {47.9, 8.0, 400.0}, information, datum);
+  for (const NewFactor& factor : built.factors) {
+    EXPECT_FALSE(find_fault(factor));
+    EXPECT_EQ(datum_of(factor), datum);
+  }
+  const auto& here = built.factors[0].numbers;
+  const std::vector<double> expected{0.1, 0.2, 0.3, 0.0, 0.0, 0.0, 4.0, 0.0, 0.0, 3.0, 0.0, 1.0};
+  for (std::size_t i = 0; i < expected.size(); ++i) EXPECT_NEAR(here[i], expected[i], 1e-9) << i;
+  const auto& there = built.factors[1].numbers;
+  EXPECT_NEAR(there[4], 100'070.0, 20.0);
+  EXPECT_NEAR(there[5], -785.0, 2.0);  // below the horizon
+  EXPECT_NEAR(there[6], 4.0, 1e-9);
+  const double lean = 0.9 * 3.14159265358979 / 180.0;
+  EXPECT_NEAR(std::abs(there[10]), (3.0 - 1.0) * std::sin(lean) * std::cos(lean), 1e-9);
 }
 
 }  // namespace

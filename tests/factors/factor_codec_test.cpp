@@ -65,9 +65,10 @@ std::vector<double> random_numbers(const FactorTypeInfo& info, std::mt19937& ran
 
 TEST(FactorCodec, GivesBackWhatItTook) {
   std::mt19937 random(3);
-  ASSERT_EQ(factor_types().size(), 20U);
+  ASSERT_EQ(factor_types().size(), 22U);
   for (const FactorTypeInfo& info : factor_types()) {
     SCOPED_TRACE(info.name);
+    if (info.at_datum) continue;
     Graph graph;
     NewFactor factor;
     factor.type = info.type;
@@ -102,6 +103,44 @@ TEST(FactorCodec, RefusesQuaternionsThatAreNotOfUnitLength) {
   EXPECT_EQ(fault->reason, "a quaternion is not of unit length (1e-3)");
   factor.numbers[6] = 1.0;
   EXPECT_FALSE(find_fault(factor));
+}
+
+TEST(FactorCodec, KeepsTheDatumOfGnssAndAddsTheFactorAsWithoutIt) {
+  std::mt19937 random(4);
+  const Geodetic datum{47.25, 8.5, 408.0};
+  for (const int type : {15, 16}) {
+    NewFactor plain;
+    plain.type = static_cast<FactorType>(type);
+    const FactorTypeInfo& info = *find_factor_type(plain.type);
+    plain.nodes = {{{"r", 1}, 1}};
+    plain.numbers = random_numbers(info, random);
+    EXPECT_FALSE(datum_of(plain));
+    NewFactor factor = plain;
+    ASSERT_TRUE(set_datum(factor, datum));
+    EXPECT_EQ(static_cast<int>(factor.type), type + 6);
+    EXPECT_EQ(datum_of(factor), datum);
+    EXPECT_FALSE(set_datum(factor, datum)) << "it has one";
+    ASSERT_FALSE(find_fault(factor));
+
+    Graph graph;
+    std::vector<double> start(value_numbers(info.signature[0]), 0.0);
+    if (info.signature[0] == VariableType::kPose3) start[6] = 1.0;
+    const std::vector<VariableId> ids{{1}};
+    ASSERT_TRUE(add_variable(graph, ids[0], info.signature[0], start));
+    const NewFactor described = describe_factor(graph, *add_factor(graph, factor, ids));
+    EXPECT_EQ(described.type, plain.type);
+    EXPECT_EQ(described.numbers, plain.numbers);
+
+    factor.numbers.end()[-3] = 91.0;
+    EXPECT_EQ(find_fault(factor)->reason,
+              std::string(info.name) +
+                  "_at_datum has a datum that is no latitude, longitude and height (deg, m)");
+    factor.numbers.pop_back();
+    EXPECT_EQ(find_fault(factor)->code, RefusalCode::kMalformed);
+  }
+  NewFactor other;
+  other.type = FactorType{17};
+  EXPECT_FALSE(set_datum(other, datum));
 }
 
 }  // namespace

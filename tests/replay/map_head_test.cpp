@@ -7,6 +7,8 @@
 #include <functional>
 #include <limits>
 
+#include "cairn/factors/factor_codec.hpp"
+
 namespace cairn {
 namespace {
 
@@ -124,6 +126,38 @@ TEST(MapHead, RefusesWhatBreaksARuleAndSaysWhich) {
     EXPECT_FALSE(refusal->awaited) << c.reason;
   }
   EXPECT_FALSE(head.check(good()));
+}
+
+TEST(MapHead, HasOneDatum) {
+  const auto with_fix = [](std::uint64_t sequence, std::optional<Geodetic> datum) {
+    Transaction transaction;
+    transaction.key = {"s", 1, sequence};
+    NewFactor fix;
+    fix.type = FactorType{15};
+    fix.nodes = {node(1)};
+    fix.numbers = {0.0, 0.0, 5.0, 6.0, 1.0, 0.0, 1.0};
+    if (datum) set_datum(fix, *datum);
+    transaction.factors = {fix};
+    return transaction;
+  };
+  MapHead head = known_pose();
+  const Geodetic here{47.0, 8.5, 400.0}, elsewhere{48.0, 8.5, 400.0};
+  ASSERT_FALSE(head.check(with_fix(2, {})));
+  EXPECT_FALSE(head.graph().datum);
+  Transaction both = with_fix(2, here);
+  both.factors.push_back(with_fix(2, elsewhere).factors[0]);
+  EXPECT_EQ(head.check(both)->code, RefusalCode::kDatum) << "against itself";
+  ASSERT_FALSE(head.check(with_fix(2, here)));
+  head.apply(with_fix(2, here), {1, 0, 2});
+  EXPECT_EQ(head.graph().datum, here);
+  EXPECT_FALSE(head.check(with_fix(3, here)));
+  EXPECT_FALSE(head.check(with_fix(3, {}))) << "in the map frame, wherever that is";
+  const auto refusal = head.check(with_fix(3, elsewhere));
+  ASSERT_TRUE(refusal);
+  EXPECT_EQ(refusal->code, RefusalCode::kDatum);
+  EXPECT_EQ(refusal->reason,
+            "factor 0: its datum is 48 8.5 400, that of this map is 47 8.5 400: send positions in "
+            "the frame at that datum");
 }
 
 TEST(MapHead, AwaitsNodesThatAnotherSourceMayAdd) {

@@ -132,6 +132,9 @@ TEST(Conversion, CarriesPayloadsStatusAndEvents) {
   status.sources.push_back({.source = "s", .epoch = 1, .held = 4, .last_refusal = "malformed"});
   EXPECT_EQ(round_trip(status).sources.at(0).last_refusal, "malformed");
   EXPECT_EQ(round_trip(status).chi2, 1.5);
+  EXPECT_FALSE(round_trip(status).datum);
+  status.datum = Geodetic{47.0, 8.5, 400.0};
+  EXPECT_EQ(round_trip(status).datum, status.datum);
   Event event;
   event.kind = "factor_committed";
   EXPECT_FALSE(round_trip(event).factor);
