@@ -12,6 +12,7 @@
 #include "cairn/factors/gravity.hpp"
 #include "cairn/factors/landmark_xy.hpp"
 #include "cairn/factors/landmark_xyz.hpp"
+#include "cairn/factors/number_row.hpp"
 #include "cairn/factors/prior.hpp"
 #include "cairn/factors/range.hpp"
 #include "cairn/factors/range_bearing.hpp"
@@ -86,59 +87,10 @@ void visit(auto& f, auto&& field)
   field(f.bearing_rad_measured);
 }
 
-// Appends numbers.
-struct Writer {
-  std::vector<double>& numbers;
-
-  void operator()(double x) { numbers.push_back(x); }
-  template <int N>
-  void operator()(const Eigen::Matrix<double, N, 1>& v) {
-    numbers.insert(numbers.end(), v.data(), v.data() + N);
-  }
-  void operator()(const Se2& T) { (*this)(T.to_vector()); }
-  void operator()(const Se3& T) {
-    (*this)(T.translation());
-    const Eigen::Vector4d q = T.rotation().quaternion().coeffs();
-    (*this)(Eigen::Vector4d(q.w() < 0.0 ? Eigen::Vector4d(-q) : q));
-  }
-  template <class Pose>
-  void operator()(const SensorOffset<Pose>& sensor) {
-    (*this)(sensor.T_body_sensor);
-  }
-};
-
-// Takes them back, in the same order.
-struct Reader {
-  const double* next;
-  bool unit_quaternions = true;
-
-  void operator()(double& x) { x = *next++; }
-  template <int N>
-  void operator()(Eigen::Matrix<double, N, 1>& v) {
-    v = Eigen::Map<const Eigen::Matrix<double, N, 1>>(next);
-    next += N;
-  }
-  void operator()(Se2& T) {
-    T = Se2(next[0], next[1], next[2]);
-    next += 3;
-  }
-  void operator()(Se3& T) {
-    const Eigen::Map<const Eigen::Vector4d> q(next + 3);
-    unit_quaternions = unit_quaternions && std::abs(q.norm() - 1.0) <= 1e-3;
-    if (unit_quaternions)
-      T = Se3(So3(Eigen::Quaterniond(q)), Eigen::Map<const Eigen::Vector3d>(next));
-    next += 7;
-  }
-  template <class Pose>
-  void operator()(SensorOffset<Pose>& sensor) {
-    (*this)(sensor.T_body_sensor);
-  }
-};
-
 template <class F>
 std::vector<double> numbers_of(F& factor) {
   std::vector<double> numbers;
-  visit(factor, Writer{numbers});
+  visit(factor, NumberWriter{numbers});
   for (int row = 0; row < F::kDimension; ++row) {
     for (int column = row; column < F::kDimension; ++column)
       numbers.push_back(factor.information(row, column));
@@ -149,7 +101,7 @@ std::vector<double> numbers_of(F& factor) {
 // False where a quaternion is not of unit length.
 template <class F>
 bool read_numbers(const std::vector<double>& numbers, F& factor) {
-  Reader reader{numbers.data()};
+  NumberReader reader{numbers.data()};
   visit(factor, reader);
   for (int row = 0; row < F::kDimension; ++row) {
     for (int column = row; column < F::kDimension; ++column)
@@ -164,8 +116,6 @@ struct Codec {
   bool (*describe)(const FactorBatch& batch, std::size_t index, NewFactor& out);
   Result<FactorRef> (*add)(Graph& graph, const NewFactor& factor, std::span<const VariableId> ids);
 };
-
-constexpr const char* kNotUnit = "a quaternion is not of unit length (1e-3)";
 
 // Positions of GNSS are in the frame at a datum: latitude, longitude and height end the numbers.
 constexpr std::size_t kDatumNumbers = 3;
@@ -254,20 +204,6 @@ const Codec* find_codec(FactorType type) {
   return number >= 1 && number <= codecs().size() ? &codecs()[number - 1] : nullptr;
 }
 
-bool all_finite(std::span<const double> numbers) {
-  return std::all_of(numbers.begin(), numbers.end(), [](double x) { return std::isfinite(x); });
-}
-
-std::string count_fault(std::string_view name, std::size_t expected, const char* what,
-                        std::size_t found) {
-  return std::string(name) + " expects " + std::to_string(expected) + ' ' + what + ", found " +
-         std::to_string(found);
-}
-
-FactorFault not_finite(std::string_view name) {
-  return {RefusalCode::kNotFinite, std::string(name) + " holds a number that is not finite"};
-}
-
 }  // namespace
 
 std::span<const FactorTypeInfo> factor_types() {
@@ -351,65 +287,6 @@ bool set_datum(NewFactor& factor, const Geodetic& datum) {
 Result<FactorRef> add_factor(Graph& graph, const NewFactor& factor,
                              std::span<const VariableId> ids) {
   return find_codec(factor.type)->add(graph, factor, ids);
-}
-
-std::vector<double> describe_value(const Graph& graph, VariableSlot slot) {
-  const Variable& variable = graph.variables()[slot];
-  const Values& values = graph.values();
-  std::vector<double> numbers;
-  Writer write{numbers};
-  switch (variable.type) {
-    case VariableType::kPose2:
-      write(values.pose2[variable.index]);
-      break;
-    case VariableType::kPose3:
-      write(values.pose3[variable.index]);
-      break;
-    case VariableType::kPoint2:
-      write(values.point2[variable.index]);
-      break;
-    case VariableType::kPoint3:
-      write(values.point3[variable.index]);
-      break;
-  }
-  return numbers;
-}
-
-std::optional<FactorFault> find_fault(VariableType type, std::span<const double> value) {
-  if (value.size() != value_numbers(type)) {
-    return FactorFault{RefusalCode::kMalformed,
-                       count_fault(to_string(type), value_numbers(type), "numbers", value.size())};
-  }
-  if (!all_finite(value)) return not_finite(to_string(type));
-  if (type == VariableType::kPose3) {
-    Se3 T;
-    Reader reader{value.data()};
-    reader(T);
-    if (!reader.unit_quaternions) return FactorFault{RefusalCode::kMalformed, kNotUnit};
-  }
-  return std::nullopt;
-}
-
-Result<VariableSlot> add_variable(Graph& graph, VariableId id, VariableType type,
-                                  std::span<const double> start) {
-  Reader read{start.data()};
-  switch (type) {
-    case VariableType::kPose2: {
-      Se2 T;
-      read(T);
-      return graph.add_pose2(id, T);
-    }
-    case VariableType::kPose3: {
-      Se3 T;
-      read(T);
-      return graph.add_pose3(id, T);
-    }
-    case VariableType::kPoint2:
-      return graph.add_point2(id, Eigen::Vector2d(start[0], start[1]));
-    case VariableType::kPoint3:
-      break;
-  }
-  return graph.add_point3(id, Eigen::Vector3d(start[0], start[1], start[2]));
 }
 
 }  // namespace cairn

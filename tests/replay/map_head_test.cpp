@@ -90,7 +90,7 @@ TEST(MapHead, RefusesWhatBreaksARuleAndSaysWhich) {
       {[](Transaction& t) { t.variables.push_back(t.variables[0]); }, RefusalCode::kConflict,
        "the node r/1/2 exists already"},
       {[](Transaction& t) { t.factors[0].type = FactorType{77}; }, RefusalCode::kMalformed,
-       "factor 0: factor type 77 is not known; known are 1 to 20"},
+       "factor 0: factor type 77 is not known; known are 1 to 22"},
       {[](Transaction& t) { t.factors[0].nodes.pop_back(); }, RefusalCode::kMalformed,
        "factor 0: between_se2 expects 2 nodes, found 1"},
       {[](Transaction& t) { t.factors[0].numbers.push_back(0.0); }, RefusalCode::kMalformed,
