@@ -16,6 +16,7 @@
 #include <deque>
 #include <filesystem>
 #include <fstream>
+#include <functional>
 #include <map>
 #include <mutex>
 #include <optional>
@@ -90,13 +91,32 @@ double cpu_seconds(pid_t process) {
   return ticks / static_cast<double>(sysconf(_SC_CLK_TCK));
 }
 
+// Says something about a factor that is there: the graph does not grow.
+Transaction toggle(const TransactionKey& factor, std::uint64_t i) {
+  Transaction step;
+  step.edits.push_back({{factor, 0}, i % 2 == 0 ? FactorChange::kDisable : FactorChange::kEnable});
+  return step;
+}
+
+// A client and what it sends, by the number of the transaction.
+struct Robot {
+  Client client;
+  std::function<Transaction(std::uint64_t)> make;
+};
+
+struct Pace {
+  double rate = 0.0;  ///< per second; 0: as fast as the window lets it
+  double seconds = 1e9;
+  std::uint64_t most = ~std::uint64_t{0};
+};
+
 struct Load {
   std::vector<double> latencies_s;
   std::uint64_t refused = 0;
 };
 
-// Submits at `rate` per second (0: as fast as the window lets it) and times each receipt.
-Load drive(Client& client, const std::string& robot, double rate, double seconds) {
+// Submits, and times each receipt.
+Load drive(Robot& robot, const Pace& pace) {
   Load load;
   struct Sent {
     Submission submission;
@@ -124,16 +144,16 @@ Load drive(Client& client, const std::string& robot, double rate, double seconds
     }
   });
   const auto start = Clock::now();
-  const std::uint64_t first = client.next_sequence() - 1;
-  for (std::uint64_t i = 0;; ++i) {
-    if (rate > 0.0) {
+  const std::uint64_t first = robot.client.next_sequence() - 1;
+  for (std::uint64_t i = 0; i < pace.most; ++i) {
+    if (pace.rate > 0.0) {
       std::this_thread::sleep_until(
           start + std::chrono::duration_cast<Clock::duration>(
-                      std::chrono::duration<double>(static_cast<double>(i) / rate)));
+                      std::chrono::duration<double>(static_cast<double>(i) / pace.rate)));
     }
-    if (std::chrono::duration<double>(Clock::now() - start).count() > seconds) break;
+    if (std::chrono::duration<double>(Clock::now() - start).count() > pace.seconds) break;
     const auto at = Clock::now();
-    Result<Submission> taken = client.submit_async(keyframe(robot, first + i));
+    Result<Submission> taken = robot.client.submit_async(robot.make(first + i));
     if (!taken) {
       std::fprintf(stderr, "%s\n", taken.error().to_string().c_str());
       std::exit(1);
@@ -152,15 +172,12 @@ Load drive(Client& client, const std::string& robot, double rate, double seconds
   return load;
 }
 
-Load drive_all(std::vector<Client>& clients, double rate, double seconds) {
-  std::vector<Load> loads(clients.size());
+// Each at this pace.
+Load drive_all(std::vector<Robot>& robots, const Pace& pace) {
+  std::vector<Load> loads(robots.size());
   std::vector<std::thread> threads;
-  for (std::size_t k = 0; k < clients.size(); ++k) {
-    threads.emplace_back([&, k] {
-      loads[k] = drive(clients[k], "robot" + std::to_string(k),
-                       rate / static_cast<double>(clients.size()), seconds);
-    });
-  }
+  for (std::size_t k = 0; k < robots.size(); ++k)
+    threads.emplace_back([&, k] { loads[k] = drive(robots[k], pace); });
   for (std::thread& thread : threads) thread.join();
   Load all;
   for (Load& load : loads) {
@@ -255,7 +272,8 @@ int run(double seconds, double rate) {
   const double sync_ms = fdatasync_p50_ms(folder);
   const std::uint32_t domain = test::own_domain();
   test::Process daemon(daemon_command(folder, domain));
-  std::vector<Client> clients;
+  std::vector<Robot> robots;
+  std::vector<TransactionKey> factors;
   for (int k = 0; k < kSources; ++k) {
     const std::string robot = "robot" + std::to_string(k);
     Result<Client> client = Client::connect(
@@ -265,7 +283,10 @@ int run(double seconds, double rate) {
       return 1;
     }
     if (!client->submit(keyframe(robot, 0), 10s)) return 1;
-    clients.push_back(std::move(*client));
+    const Result<Receipt> second = client->submit(keyframe(robot, 1), 10s);
+    if (!second) return 1;
+    factors.push_back(second->key);
+    robots.push_back({std::move(*client), [robot](std::uint64_t i) { return keyframe(robot, i); }});
   }
   std::printf(
       "## Daemon speed on loopback, %d sources, one process each side\n\n"
@@ -274,10 +295,17 @@ int run(double seconds, double rate) {
       "MB "
       "|\n|---|---|---|---|---|---|---|---|\n",
       kSources, sync_ms);
-  report("as fast as it goes", drive_all(clients, 0.0, 10.0), 10.0, daemon.id());
+  report("as fast as it goes", drive_all(robots, {.seconds = 10.0}), 10.0, daemon.id());
   const std::string paced = std::to_string(static_cast<int>(rate)) + "/s";
-  report(paced.c_str(), drive_all(clients, rate, seconds), seconds, daemon.id());
-  const Result<std::string> settled = clients[0].command("settle", 600s);
+  report(paced.c_str(), drive_all(robots, {rate / kSources, seconds}), seconds, daemon.id());
+  for (int k = 0; k < kSources; ++k)
+    robots[k].make = [factor = factors[k]](std::uint64_t i) { return toggle(factor, i); };
+  for (int quarter = 0; quarter < 4; ++quarter) {
+    const Stopwatch watch;
+    Load edits = drive_all(robots, {.most = 250'000 / kSources});
+    report("250,000 edits of a factor", std::move(edits), watch.seconds(), daemon.id());
+  }
+  const Result<std::string> settled = robots[0].client.command("settle", 600s);
   std::printf("\nsettle: %s\n", (settled ? *settled : settled.error().to_string()).c_str());
   std::this_thread::sleep_for(5s);  // it stores a snapshot
   const double before = cpu_seconds(daemon.id());
@@ -290,7 +318,7 @@ int run(double seconds, double rate) {
   const Stopwatch ending;
   const int exit_code = daemon.end(SIGTERM).exit_code;
   std::printf("SIGTERM: exit code %d after %.2f s\n", exit_code, ending.seconds());
-  clients.clear();
+  robots.clear();
   for (const bool snapshot : {true, false}) {
     if (!snapshot) fs::remove_all(folder / "data" / "snapshots");
     const Stopwatch starting;

@@ -253,9 +253,10 @@ void Client::Engine::on_receipt(Receipt receipt) {
     const std::lock_guard lock(mutex_);
     if (outgoing_.receive(receipt, Outgoing::Clock::now())) {
       foreign_ = false;
-      if (promise_.revision.store != receipt.revision.store || promise_.revision < receipt.revision)
-        promise_.revision = receipt.revision;
-      promise_.sequence = std::max(promise_.sequence, receipt.key.sequence);
+      // Both of one receipt: while a store is refilled, earlier sequences get later revisions.
+      if (promise_.revision.store != receipt.revision.store ||
+          receipt.key.sequence >= promise_.sequence)
+        promise_ = {.revision = receipt.revision, .sequence = receipt.key.sequence};
       news_for_daemon_ = true;
     }
     if (receipt.refusal == RefusalCode::kForeignSource) usurped = !std::exchange(foreign_, true);

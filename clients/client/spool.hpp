@@ -45,8 +45,8 @@ class Spool {
   Result<void> append(const std::vector<std::string>& records);
   /// Quickest in ascending order.
   Result<std::string> read(std::uint64_t sequence);
-  /// What the daemon has said to this spool: the newest receipt's revision, and the highest
-  /// sequence that has one. After a power loss it may be older, or nothing.
+  /// What the daemon has said to this spool: the highest sequence that has a receipt, and that
+  /// receipt's revision. After a power loss it may be older, or nothing.
   struct Promise {
     Revision revision{};
     std::uint64_t sequence = 0;

@@ -7,6 +7,7 @@
 #include <map>
 #include <mutex>
 #include <optional>
+#include <set>
 #include <string>
 #include <utility>
 #include <vector>
@@ -19,8 +20,10 @@ namespace cairn::test {
 struct FakeStore {
   using Source = std::pair<std::string, std::uint64_t>;
   Revision head{.store = 9, .era = 0, .number = 0};
-  std::int64_t runs = 0;                           // of daemons on it
-  std::map<Source, std::vector<Receipt>> decided;  // by sequence, from 1
+  std::int64_t runs = 0;                                   // of daemons on it
+  std::map<Source, std::vector<Receipt>> decided;          // by sequence, from 1
+  std::set<std::pair<TransactionKey, Revision>> promised;  // by receipts, also of lost ones
+  int claims_never_promised = 0;                           // of clients
 };
 
 /// The shortest daemon that keeps the wire's promises: decides each source's sequences in order,
@@ -98,6 +101,10 @@ class FakeDaemon : public TransportListener {
   void on_unreadable_transaction(UnreadableTransaction, const Sender&) override {}
   void on_client(ClientState client, const Sender& /*sender*/) override {
     const std::lock_guard lock(mutex_);
+    if (client.highest_decided > 0 &&
+        !store_.promised.contains(
+            {{client.source, client.epoch, client.highest_decided}, client.receipted}))
+      ++store_.claims_never_promised;
     publish_state({client.source, client.epoch});
   }
   void on_source_lost(std::string, const Sender&) override {
@@ -132,6 +139,7 @@ class FakeDaemon : public TransportListener {
       }
       receipt.revision.number = ++store_.head.number;
       receipts.push_back(receipt);
+      store_.promised.emplace(receipt.key, receipt.revision);
       transport_->publish(receipt);
     }
     if (tells_marks_) publish_state(source);
