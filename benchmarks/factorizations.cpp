@@ -4,6 +4,7 @@
 
 #include "benchmarks/support/graphs.hpp"
 #include "benchmarks/support/measure.hpp"
+#include "benchmarks/support/plain_cholmod.hpp"
 #include "benchmarks/support/table.hpp"
 #include "cairn/linear/linear_solver.hpp"
 #include "cairn/linear/single_thread_blas.hpp"
@@ -49,7 +50,7 @@ void compare(const Table& table, const BenchmarkGraph& which, const Graph& start
   std::vector<double> samples[2][3];
   for (int round = 0; round <= rounds; ++round) {
     for (const int own : {0, 1}) {
-      const auto solver = own == 1 ? make_multifrontal_solver() : make_cholmod_solver();
+      const auto solver = own == 1 ? make_multifrontal_solver() : make_plain_cholmod();
       const Costs costs = measure(*solver, equations, layout.elimination);
       if (round == 0) continue;
       samples[own][0].push_back(costs.analyze_s);

@@ -9,6 +9,7 @@
 #include "benchmarks/support/ceres_rival.hpp"
 #include "benchmarks/support/graphs.hpp"
 #include "benchmarks/support/measure.hpp"
+#include "benchmarks/support/plain_cholmod.hpp"
 #include "benchmarks/support/table.hpp"
 #include "cairn/linear/linear_solver.hpp"
 #include "cairn/linear/single_thread_blas.hpp"
@@ -30,7 +31,7 @@ CholmodCosts measure_cholmod(const Graph& start) {
   equations.linearize({.values = start.values()}, pool);
   CholmodCosts costs{};
   costs.ordering_s = seconds_per_call([&] { (void)find_elimination(layout.blocks); });
-  std::unique_ptr<LinearSolver> solver = make_cholmod_solver();
+  const std::unique_ptr<LinearSolver> solver = make_plain_cholmod();
   costs.analysis_s =
       seconds_per_call([&] { solver->analyze(equations.pattern(), layout.elimination); });
   Eigen::VectorXd x(equations.pattern().scalar_size());

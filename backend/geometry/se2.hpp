@@ -43,10 +43,7 @@ class Se2 {
   /// Maps a right perturbation to the left: T * Exp(d) = Exp(Ad_T * d) * T.
   [[nodiscard]] Eigen::Matrix3d adjoint() const;
   /// T [+] delta = T * Exp(delta). Renews cosine and sine, so products of it do not drift.
-  [[nodiscard]] Se2 retract(const Tangent& delta) const {
-    const Se2 moved = *this * exp(delta);
-    return {moved.x(), moved.y(), moved.theta()};
-  }
+  [[nodiscard]] Se2 retract(const Tangent& delta) const;
 
  private:
   So2 rotation_;

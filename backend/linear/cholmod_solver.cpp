@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <numeric>
+#include <utility>
 
 #include "cairn/core/check.hpp"
 #include "cairn/linear/linear_solver.hpp"
@@ -12,20 +13,14 @@
 namespace cairn {
 namespace {
 
+// What CHOLMOD's own analysis would find again, scalar by scalar, we know from the elimination of
+// blocks: the tree and the length of each column. Its factor takes both as they are.
 class CholmodSolver final : public LinearSolver {
  public:
   CholmodSolver() {
     cholmod_start(&common_);
-    common_.nmethods = 1;
-    common_.method[0].ordering = CHOLMOD_NATURAL;  // the pattern already is in elimination order
-    common_.postorder = 0;
     common_.final_ll = 1;
     common_.print = 0;
-#ifdef CAIRN_WITH_GPL
-    common_.supernodal = CHOLMOD_AUTO;  // by operations per non-zero of the factor
-#else
-    common_.supernodal = CHOLMOD_SIMPLICIAL;
-#endif
   }
 
   ~CholmodSolver() override {
@@ -36,17 +31,28 @@ class CholmodSolver final : public LinearSolver {
     cholmod_finish(&common_);
   }
 
-  void analyze(const BlockPattern& pattern, const Elimination& /*elimination*/) override {
+  void analyze(const BlockPattern& pattern, const Elimination& elimination) override {
     const SingleThreadBlas single_thread;
-    scalar_ = ScalarPattern::lower(pattern);
-    matrix_ = view_of(scalar_);
-    factor_ = cholmod_analyze(&matrix_, &common_);
-    CAIRN_CHECK(factor_ != nullptr, "CHOLMOD could not analyze the pattern (out of memory?)");
+    BlockRows rows(pattern);
+    factor_ = cholmod_allocate_factor(static_cast<std::size_t>(pattern.scalar_size()), &common_);
+    CAIRN_CHECK(factor_ != nullptr, "CHOLMOD could not allocate its factor (out of memory?)");
+    count_columns(pattern, factor_heights(pattern, rows, elimination.parent));
+#ifdef CAIRN_WITH_GPL
+    if (supernodes_pay()) {
+      find_supernodes(pattern, rows, elimination.parent);
+      lower_ = ScalarPattern::lower(pattern);
+      matrix_ = view_of(lower_.begin, lower_.row, -1);
+      return;
+    }
+#endif
+    upper_.emplace(pattern, std::move(rows));
+    matrix_ = view_of(upper_->begin, upper_->row, 1);
   }
 
   bool factorize(const double* values) override {
     const SingleThreadBlas single_thread;
-    matrix_.x = const_cast<double*>(values);
+    if (upper_) upper_->take(values);
+    matrix_.x = upper_ ? upper_->values.data() : const_cast<double*>(values);
     matrix_.xtype = CHOLMOD_REAL;
     if (cholmod_factorize(&matrix_, factor_, &common_) == 0) return false;
     return common_.status == CHOLMOD_OK && factor_->minor == factor_->n;
@@ -96,13 +102,52 @@ class CholmodSolver final : public LinearSolver {
   }
 
  private:
-  static cholmod_sparse view_of(ScalarPattern& scalar) {
+  void count_columns(const BlockPattern& pattern, std::span<const int> heights) {
+    int* count = static_cast<int*>(factor_->ColCount);
+    for (int j = 0; j < pattern.size(); ++j) {
+      for (int c = 0; c < pattern.dimension[j]; ++c) *count++ = heights[j] - c;
+    }
+  }
+
+#ifdef CAIRN_WITH_GPL
+  // CHOLMOD's own rule: by operations per number of the factor.
+  [[nodiscard]] bool supernodes_pay() const {
+    const int* count = static_cast<const int*>(factor_->ColCount);
+    double numbers = 0.0, operations = 0.0;
+    for (std::size_t j = 0; j < factor_->n; ++j) {
+      numbers += count[j];
+      operations += static_cast<double>(count[j]) * count[j];
+    }
+    return numbers > 0.0 && operations >= common_.supernodal_switch * numbers;
+  }
+
+  // CHOLMOD walks up the tree from each number above the diagonal: one in each block is enough.
+  void find_supernodes(const BlockPattern& pattern, const BlockRows& rows,
+                       std::span<const int> block_parent) {
+    std::vector<int> begin{0}, row, parent;
+    for (int i = 0; i < pattern.size(); ++i) {
+      const int above = block_parent[i];
+      for (int c = 0; c < pattern.dimension[i]; ++c) {
+        for (int k = rows.begin[i]; k < rows.begin[i + 1]; ++k)
+          row.push_back(pattern.scalar_begin[rows.column[k]]);
+        begin.push_back(static_cast<int>(row.size()));
+        parent.push_back(pattern.scalar_begin[i] + c + 1);
+      }
+      parent.back() = above < 0 ? -1 : pattern.scalar_begin[above];
+    }
+    cholmod_sparse matrix = view_of(begin, row, 1);
+    const int ok = cholmod_super_symbolic(&matrix, nullptr, parent.data(), factor_, &common_);
+    CAIRN_CHECK(ok, "CHOLMOD could not find its supernodes (out of memory?)");
+  }
+#endif
+
+  static cholmod_sparse view_of(std::vector<int>& begin, std::vector<int>& row, int triangle) {
     cholmod_sparse matrix{};
-    matrix.nrow = matrix.ncol = scalar.begin.size() - 1;
-    matrix.nzmax = scalar.row.size();
-    matrix.p = scalar.begin.data();
-    matrix.i = scalar.row.data();
-    matrix.stype = -1;  // the rows above the diagonal inside diagonal blocks are ignored
+    matrix.nrow = matrix.ncol = begin.size() - 1;
+    matrix.nzmax = row.size();
+    matrix.p = begin.data();
+    matrix.i = row.data();
+    matrix.stype = triangle;  // 1: upper, -1: lower; what is in the other is ignored
     matrix.itype = CHOLMOD_INT;
     matrix.xtype = CHOLMOD_PATTERN;  // until there are values
     matrix.sorted = matrix.packed = 1;
@@ -110,7 +155,8 @@ class CholmodSolver final : public LinearSolver {
   }
 
   mutable cholmod_common common_{};
-  ScalarPattern scalar_;
+  ScalarPattern lower_;               // supernodes take the pattern's values as they are,
+  std::optional<UpperMatrix> upper_;  // single columns want the other triangle
   cholmod_sparse matrix_{};
   cholmod_factor* factor_ = nullptr;
   cholmod_dense* x_ = nullptr;

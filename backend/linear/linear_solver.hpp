@@ -55,8 +55,8 @@ class LinearSolver {
 /// Our own Cholesky, by dense fronts of blocks: two to six times faster than CHOLMOD's on these
 /// matrices. The kernel must be runnable.
 std::unique_ptr<LinearSolver> make_multifrontal_solver(Kernel kernel = Kernel::kFastest);
-/// CHOLMOD on our order: column by column or by supernodes, whichever it finds cheaper; column by
-/// column when built without its GPL module.
+/// CHOLMOD on our order and our analysis: column by column or by supernodes, by its own rule;
+/// column by column when built without its GPL module.
 std::unique_ptr<LinearSolver> make_cholmod_solver();
 /// Eigen's simplicial L D L^T.
 std::unique_ptr<LinearSolver> make_eigen_solver();

@@ -89,8 +89,9 @@ class Minimizer {
     if (!step.valid) return reject();
     const bool last = step.newton && step.predicted_decrease <= kSmallDecrease * cost_.cost;
     const bool small_step = step.dx.size() == 0 || step.dx.cwiseAbs().maxCoeff() <= kSmallStep;
+    const bool leaves_little = would_leave_little(step);
     equations_.retract(current_, step.dx, trial_);
-    RangeCost trial_cost = evaluate_trial(last || small_step, report);
+    RangeCost trial_cost = evaluate_trial(last || small_step || leaves_little, report);
     double predicted_decrease = step.predicted_decrease;
     if (!(trial_cost.cost <= cost_.cost) && !last && !strategy_->accepts_increase()) {
       predicted_decrease = backtrack(step, trial_cost, report);
@@ -102,8 +103,11 @@ class Minimizer {
       increases_ = better ? 0 : increases_ + 1;
       report.accepted = true;
       accept(trial_cost, gain / predicted_decrease);
+      previous_decrease_ = step.predicted_decrease;
     }
-    if (last || (report.accepted && little_remains(step, gain))) return StopReason::kSmallDecrease;
+    const bool model_held =
+        std::abs(gain - step.predicted_decrease) <= 0.1 * step.predicted_decrease;
+    if (last || (report.accepted && leaves_little && model_held)) return StopReason::kSmallDecrease;
     if (small_step && step.newton) return StopReason::kSmallStep;
     if (report.accepted)
       return is_stationary() ? std::optional(StopReason::kGradient) : std::nullopt;
@@ -113,14 +117,11 @@ class Minimizer {
     return reject();
   }
 
-  // Near the minimum each Newton step leaves a small, steady part of what it promised. Where the
-  // model held and that part is small, what remains is known without another factorization.
-  bool little_remains(const Step& step, double gain) {
-    const double before = std::exchange(previous_decrease_, step.predicted_decrease);
-    const bool model_held =
-        std::abs(gain - step.predicted_decrease) <= 0.1 * step.predicted_decrease;
-    if (!step.newton || !model_held || !(before > 0.0)) return false;
-    const double left = step.predicted_decrease / before;  // of the decrease, after each step
+  // Near the minimum each Newton step leaves a small, steady part of what it promised. Where that
+  // part is small and the model holds, what remains is known without another factorization.
+  [[nodiscard]] bool would_leave_little(const Step& step) const {
+    if (!step.newton || !(previous_decrease_ > 0.0)) return false;
+    const double left = step.predicted_decrease / previous_decrease_;  // of the decrease
     return left < 0.1 && left * step.predicted_decrease <= kSmallDecrease * cost_.cost;
   }
 
@@ -142,8 +143,8 @@ class Minimizer {
     return step.predicted_decrease;
   }
 
-  // Linearizes at the trial, speculating that it will be accepted; the last step needs its cost
-  // only.
+  // Linearizes at the trial, speculating that it will be accepted; what is likely to be the last
+  // step needs its cost only.
   RangeCost evaluate_trial(bool cost_only, IterationReport& report) {
     const Stopwatch watch;
     const RangeCost cost = cost_only ? equations_.evaluate_cost(context(trial_), pool_)

@@ -106,7 +106,7 @@ void NormalEquations::place_diagonals() {
   for (std::size_t j = 0; j < count.size(); ++j) {
     scratch_begin_[j + 1] = scratch_begin_[j] + count[j] * scratch_size(pattern_.dimension[j]);
   }
-  scratch_.resize(scratch_begin_.back());
+  scratch_ = std::make_unique_for_overwrite<double[]>(scratch_begin_.back());
   std::vector<std::size_t> next(scratch_begin_.begin(), scratch_begin_.end() - 1);
   for (BatchTargets& targets : targets_) {  // then: its own place among the block's contributions
     for (std::size_t& offset : targets.diagonal_offset) {
@@ -173,10 +173,9 @@ RangeCost NormalEquations::sum_chunks(ThreadPool& pool, Evaluate evaluate) {
 RangeCost NormalEquations::linearize(const EvaluationContext& context, ThreadPool& pool) {
   const RangeCost sum = sum_chunks(pool, [&](const Chunk& chunk) {
     const BatchTargets& targets = targets_[chunk.batch];
-    return problem_.batches[chunk.batch]->linearize(
-        chunk.begin, chunk.end, context,
-        {scratch_.data(), targets.diagonal_offset.data(), values_.data(),
-         targets.off_diagonal.data()});
+    return problem_.batches[chunk.batch]->linearize(chunk.begin, chunk.end, context,
+                                                    {scratch_.get(), targets.diagonal_offset.data(),
+                                                     values_.data(), targets.off_diagonal.data()});
   });
   add_repeated_blocks();
   const int chunks = (pattern_.size() + kBlocksPerChunk - 1) / kBlocksPerChunk;
@@ -185,6 +184,7 @@ RangeCost NormalEquations::linearize(const EvaluationContext& context, ThreadPoo
     for (int j = begin; j < std::min(pattern_.size(), begin + kBlocksPerChunk); ++j) gather(j);
   });
   for (const Problem::Anchor& anchor : problem_.anchors) stiffen(anchor);
+  damping_ = 0.0;
   return sum;
 }
 
@@ -208,8 +208,8 @@ void NormalEquations::add_repeated_blocks() {
 }
 
 void NormalEquations::gather(int block) {
-  const double* first = scratch_.data() + scratch_begin_[block];
-  const double* last = scratch_.data() + scratch_begin_[block + 1];
+  const double* first = scratch_.get() + scratch_begin_[block];
+  const double* last = scratch_.get() + scratch_begin_[block + 1];
   double* target = values_.data() + pattern_.value_begin[block];
   const int height = pattern_.height[block], scalar = pattern_.scalar_begin[block];
   double* g = gradient_.data() + scalar;
@@ -241,6 +241,8 @@ void NormalEquations::stiffen(const Problem::Anchor& anchor) {
 }
 
 void NormalEquations::set_damping(double lambda) {
+  if (lambda == damping_) return;
+  damping_ = lambda;
   for (int j = 0; j < pattern_.size(); ++j) {
     double* block = values_.data() + pattern_.value_begin[j];
     for (int k = 0; k < pattern_.dimension[j]; ++k) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <memory>
 #include <vector>
 
 #include "cairn/core/parallel.hpp"
@@ -80,11 +81,12 @@ class NormalEquations {
   std::vector<RepeatedBlock> repeated_;
   std::vector<Chunk> chunks_;
   std::vector<RangeCost> chunk_costs_;
-  std::vector<double> values_;   // pattern values, then the repeated blocks
-  std::vector<double> scratch_;  // H_kk and g_k of every factor, those of one block side by side
+  std::vector<double> values_;         // pattern values, then the repeated blocks
+  std::unique_ptr<double[]> scratch_;  // H_kk and g_k of every factor, those of a block together
   std::vector<std::size_t> scratch_begin_;  // by block
   Eigen::VectorXd gradient_;
   Eigen::VectorXd diagonal_;
+  double damping_ = 0.0;  // in values_
 };
 
 }  // namespace cairn

@@ -41,6 +41,34 @@ TEST_P(LinearSolverTest, EqualsDenseCholeskyOnRandomBlockMatrices) {
   }
 }
 
+// What maps are mostly made of, and what they are made of at worst.
+TEST_P(LinearSolverTest, EqualsDenseCholeskyOnShapesWithoutLoopsAndWithAllLoops) {
+  using Pairs = std::vector<std::pair<int, int>>;
+  constexpr int kBlocks = 40;
+  Pairs chain, star, forest, complete;
+  for (int i = 1; i < kBlocks; ++i) {
+    chain.emplace_back(i - 1, i);
+    star.emplace_back(0, i);
+    if (i % 5 != 0) forest.emplace_back(i, i - (i % 5 + 1) / 2);  // pieces of five, some branched
+    for (int j = 0; j < i; ++j) complete.emplace_back(i, j);
+  }
+  const std::pair<const char*, Pairs> shapes[] = {
+      {"nothing coupled", {}}, {"chain", chain},       {"star", star},
+      {"forest", forest},      {"complete", complete},
+  };
+  for (const auto& [shape, pairs] : shapes) {
+    test::RandomBlockSystem system(kBlocks, pairs, 17);
+    const auto solver = GetParam().make();
+    solver->analyze(system.pattern, system.elimination);
+    ASSERT_TRUE(solver->factorize(system.values.data())) << shape;
+    const Eigen::VectorXd b = system.normal(system.pattern.scalar_size(), 1);
+    Eigen::VectorXd x(b.size());
+    solver->solve(b.data(), x.data());
+    const Eigen::VectorXd expected = test::to_dense(system.pattern, system.values).llt().solve(b);
+    EXPECT_LT((x - expected).norm(), GetParam().tolerance * expected.norm()) << shape;
+  }
+}
+
 TEST_P(LinearSolverTest, TakesNewValuesForTheSamePattern) {
   test::RandomBlockSystem system(30, 7);
   const auto solver = GetParam().make();
@@ -111,15 +139,22 @@ INSTANTIATE_TEST_SUITE_P(
 
 // L L^T rebuilt from the panels is A.
 TEST(SupernodalFactor, IsAFactorWhoseProductIsTheMatrix) {
-  // CHOLMOD takes the small one column by column, the large one by supernodes.
-  for (const auto& [own, blocks] :
-       {std::pair(true, 40), std::pair(true, 200), std::pair(false, 40), std::pair(false, 200)}) {
-    test::RandomBlockSystem system(blocks, 11);
+  const std::vector<std::pair<int, int>> few = test::RandomBlockSystem::map_with_loops(100, 11);
+  std::vector<std::pair<int, int>> many = few;
+  for (const std::uint32_t seed : {12, 13, 14}) {
+    const auto more = test::RandomBlockSystem::map_with_loops(100, seed);
+    many.insert(many.end(), more.begin(), more.end());
+  }
+  // CHOLMOD takes the one with few loops column by column, the other by supernodes.
+  for (const auto& [own, loops] : {std::pair(true, few), std::pair(true, many),
+                                   std::pair(false, few), std::pair(false, many)}) {
+    test::RandomBlockSystem system(100, loops, 11);
     const auto solver = own ? make_multifrontal_solver() : make_cholmod_solver();
     solver->analyze(system.pattern, system.elimination);
     ASSERT_TRUE(solver->factorize(system.values.data()));
     const SupernodalFactor factor = *solver->factor();
     const int n = system.pattern.scalar_size();
+    EXPECT_EQ(factor.supernodes() < n, own || loops == many);
     Eigen::MatrixXd L = Eigen::MatrixXd::Zero(n, n);
     for (int k = 0; k < factor.supernodes(); ++k) {
       for (int c = 0; c < factor.columns(k); ++c) {

@@ -69,20 +69,34 @@ inline std::vector<int> dense_column_counts(const BlockGraph& graph,
 /// A random sparse block system in elimination order: blocks of 1, 2, 3 and 6 rows, the matrix
 /// positive definite by construction (a sum of J^T J over pairs of blocks plus a little identity).
 struct RandomBlockSystem {
-  RandomBlockSystem(int blocks, std::uint32_t seed) : random(seed) {
+  RandomBlockSystem(int blocks, std::uint32_t seed)
+      : RandomBlockSystem(blocks, map_with_loops(blocks, seed), seed) {}
+
+  RandomBlockSystem(int blocks, std::vector<std::pair<int, int>> coupled, std::uint32_t seed)
+      : random(seed), pairs(std::move(coupled)) {
     constexpr int kSizes[] = {1, 2, 3, 6};
     std::vector<int> dimension(blocks);
     for (int& d : dimension) d = kSizes[random() % 4];
-    for (int i = 1; i < blocks; ++i) {  // connected, and about as dense as a map with loops
-      pairs.emplace_back(i, static_cast<int>(random() % static_cast<unsigned>(i)));
-      if (i % 3 == 0) pairs.emplace_back(static_cast<int>(random() % static_cast<unsigned>(i)), i);
-    }
     graph = BlockGraph::from_pairs(blocks, pairs);
     elimination = find_elimination(graph);
     pattern = BlockPattern::build(graph, elimination.position, dimension);
     values.assign(pattern.value_count(), 0.0);
     for (int j = 0; j < blocks; ++j) add(j, j, 0.1 * Eigen::MatrixXd::Identity(size(j), size(j)));
     for (const auto& [a, b] : pairs) add_factor(elimination.position[a], elimination.position[b]);
+  }
+
+  /// Connected, and about as dense as a map with loops.
+  static std::vector<std::pair<int, int>> map_with_loops(int blocks, std::uint32_t seed) {
+    std::mt19937 random(seed);
+    const auto before = [&](int i) {
+      return static_cast<int>(random() % static_cast<unsigned>(i));
+    };
+    std::vector<std::pair<int, int>> pairs;
+    for (int i = 1; i < blocks; ++i) {
+      pairs.emplace_back(i, before(i));
+      if (i % 3 == 0) pairs.emplace_back(before(i), i);
+    }
+    return pairs;
   }
 
   [[nodiscard]] int size(int block) const { return pattern.dimension[block]; }
