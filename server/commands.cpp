@@ -46,6 +46,23 @@ void CommandDesk::take(const Command& command, const PoseGraph& map) {
   wake_.notify_one();
 }
 
+bool CommandDesk::repeat(const CommandKey& key) {
+  const std::lock_guard lock(mutex_);
+  const auto known = std::find_if(answered_.begin(), answered_.end(),
+                                  [&](const Reply& reply) { return reply.key == key; });
+  if (known == answered_.end()) return false;
+  transport_.reply(*known);
+  return true;
+}
+
+void CommandDesk::answer(const Reply& reply) {
+  {
+    const std::lock_guard lock(mutex_);
+    remember(reply);
+  }
+  transport_.reply(reply);
+}
+
 bool CommandDesk::stop(std::optional<std::chrono::milliseconds> patience) {
   {
     std::unique_lock lock(mutex_);
@@ -83,8 +100,8 @@ Reply CommandDesk::answer_one(const Open& open) const {
     const Result<Question> question = Question::parse(open.command.text);
     if (!question) return question.error();
     if (question->verb == "backup") return back_up(*question, journal_);
-    return answer(*question, {journal_, [&] { return Result<PoseGraph>(open.map); },
-                              [this] { return !stopping_; }});
+    return cairn::answer(*question, {journal_, [&] { return Result<PoseGraph>(open.map); },
+                                     [this] { return !stopping_; }});
   }();
   if (done && done->size() > kLongestAnswer) {
     return {open.command.key, ErrorCode::kNotUsable,

@@ -27,6 +27,10 @@ class CommandDesk {
 
   /// `map` is the head now. A repeated question is answered once, or with the same words.
   void take(const Command& command, const PoseGraph& map);
+  /// True, and the answer said again, where this was answered; for those whom others answer.
+  bool repeat(const CommandKey& key);
+  /// Sends an answer of somebody else, and keeps it for repeat().
+  void answer(const Reply& reply);
   /// Abandons what is not answered yet. False where that takes longer than `patience`.
   bool stop(std::optional<std::chrono::milliseconds> patience = {});
 

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "cairn/history/apply_record.hpp"
+#include "cairn/history/order.hpp"
 #include "cairn/replay/estimate.hpp"
 #include "cairn/replay/estimate_snapshot.hpp"
 #include "cairn/replay/settle.hpp"
@@ -77,7 +78,12 @@ Result<void> Reexecution::execute(const Record& record) {
   if (const auto* transaction = std::get_if<TransactionRecord>(&record.body))
     return execute(*transaction, revision);
   if (const auto* solve = std::get_if<SolveRecord>(&record.body)) return execute(*solve, record);
-  ++(record.kind() == RecordKind::kCommand ? result_.commands : result_.verdicts);
+  if (const auto* command = std::get_if<CommandRecord>(&record.body)) {
+    ++result_.commands;
+    if (Result<void> same = order_again(*command, revision); !same) return same;
+  } else {
+    ++result_.verdicts;
+  }
   return apply_record(record, revision.store, head_);
 }
 
@@ -128,6 +134,17 @@ Result<void> Reexecution::decide_again(const Transaction& transaction,
   if (decision.content_hash != record.content_hash)
     return differs(revision.number, name + " does not have the hash of what was sent");
   return {};
+}
+
+Result<void> Reexecution::order_again(const CommandRecord& record, const Revision& revision) {
+  const auto order = order_of(record);
+  if (!order || !*order) return {};  // what cannot be read is told when it is applied
+  const auto question = Question::parse((*order)->asked);
+  if (!question || !is_order(*question)) return differs(revision.number, "it orders nothing known");
+  const auto again = make_order(*question, journal_, head_);
+  if (!again) return differs(revision.number, "ordered again: " + again.error().to_string());
+  if (to_record(*again, *question, 0).command == record.command) return {};
+  return differs(revision.number, "ordered again it changes other factors");
 }
 
 Result<void> Reexecution::execute(const SolveRecord& record, const Record& whole) {

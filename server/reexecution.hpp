@@ -47,6 +47,7 @@ class Reexecution {
   Result<void> execute(const TransactionRecord& record, const Revision& revision);
   Result<void> decide_again(const Transaction& transaction, const TransactionRecord& record,
                             const Revision& revision);
+  Result<void> order_again(const CommandRecord& record, const Revision& revision);
   Result<void> execute(const SolveRecord& record, const Record& whole);
   Result<void> check_snapshot(std::uint64_t number);
   Result<void> solve_again(const SolveRecord& record, std::uint64_t number);

@@ -13,11 +13,6 @@
 #include "server/status_json.hpp"
 
 namespace cairn {
-namespace {
-
-constexpr std::size_t kMostAwaiting = 64;  // commands that wait for a solve
-
-}  // namespace
 
 Service::Service(Journal& journal, Transport& transport, ServiceOptions options)
     : journal_(journal),
@@ -353,25 +348,6 @@ bool Service::commit_solution(const Revision& base,
   if (appended) return true;
   fall_back(appended.error());
   return false;
-}
-
-void Service::carry_out(const Command& command) {
-  const std::string verb = command.text.substr(0, command.text.find(' '));
-  if (verb == "status")
-    return transport_.reply({command.key, {}, dump(to_json(make_status(), false), -1)});
-  if (verb != "settle") return desk_.take(command, head_.graph());
-  if (needs_solve()) {
-    const bool repeated =
-        std::any_of(awaiting_solution_.begin(), awaiting_solution_.end(),
-                    [&](const Command& waiting) { return waiting.key == command.key; });
-    if (repeated) return;
-    if (awaiting_solution_.size() < kMostAwaiting) return awaiting_solution_.push_back(command);
-    return transport_.reply({command.key, ErrorCode::kNotUsable,
-                             "busy: " + std::to_string(kMostAwaiting) +
-                                 " commands wait for a solve already; ask again later"});
-  }
-  transport_.reply(
-      {command.key, {}, settled_text(head_.graph().graph_revision, chi2_.value_or(0.0))});
 }
 
 }  // namespace cairn

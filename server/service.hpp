@@ -141,6 +141,7 @@ class Service final : private TransportListener {
   bool commit_solution(const Revision& base,
                        const std::vector<std::pair<NodeIndex, Estimate>>& changed);
   void carry_out(const Command& command);
+  void obey(const Command& command, const Question& question);
   [[nodiscard]] bool needs_solve() const;
   void solve_when_idle();
   void refuse_to_solve();

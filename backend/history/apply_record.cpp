@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "cairn/history/apply_record.hpp"
 
+#include "cairn/history/order.hpp"
 #include "cairn/replay/estimate.hpp"
 
 namespace cairn {
@@ -38,6 +39,15 @@ Result<void> apply(const SolveRecord& record, const Revision& revision, MapHead&
   return {};
 }
 
+Result<void> apply(const CommandRecord& record, const Revision& revision, MapHead& head) {
+  const auto order = order_of(record);
+  if (!order) return broken(revision.number, order.error().message);
+  const std::vector<FactorEdit> edits = *order ? (*order)->edits : std::vector<FactorEdit>();
+  if (const auto refusal = head.check(edits)) return broken(revision.number, refusal->reason);
+  head.apply(edits, revision);
+  return {};
+}
+
 }  // namespace
 
 Result<void> apply_record(const Record& record, std::uint64_t store, MapHead& head) {
@@ -46,7 +56,9 @@ Result<void> apply_record(const Record& record, std::uint64_t store, MapHead& he
     return apply(*transaction, revision, head);
   if (const auto* solve = std::get_if<SolveRecord>(&record.body))
     return apply(*solve, revision, head);
-  head.advance(revision);  // commands and verdicts do not change the map yet
+  if (const auto* command = std::get_if<CommandRecord>(&record.body))
+    return apply(*command, revision, head);
+  head.advance(revision);  // verdicts do not change the map yet
   return {};
 }
 

@@ -13,8 +13,11 @@ struct Verb {
   const char* name;
   Result<std::string> (*answer)(const Question&, const Asked&);
 };
-constexpr std::array kVerbs{Verb{"log", answer_log}, Verb{"show", answer_show},
-                            Verb{"diff", answer_diff}, Verb{"export graph", answer_export_graph},
+constexpr std::array kVerbs{Verb{"log", answer_log},
+                            Verb{"show", answer_show},
+                            Verb{"diff", answer_diff},
+                            Verb{"edge show", answer_edge_show},
+                            Verb{"export graph", answer_export_graph},
                             Verb{"export trajectory", answer_export_trajectory}};
 
 constexpr std::size_t kQuoted = 60;  // bytes of what somebody sent, in an error
@@ -65,8 +68,9 @@ Result<std::string> answer(const Question& question, const Asked& asked) {
     if (question.verb == verb.name) return verb.answer(question, asked);
     known += std::string(", ") + verb.name;
   }
-  return Error{ErrorCode::kUsage, "unknown command '" + question.verb.substr(0, kQuoted) +
-                                      "'; known: status, settle, backup" + known};
+  return Error{ErrorCode::kUsage,
+               "unknown command '" + question.verb.substr(0, kQuoted) +
+                   "'; known: status, settle, backup, edge disable|enable|remove, undo" + known};
 }
 
 std::string dump(const nlohmann::ordered_json& json, int indent) {

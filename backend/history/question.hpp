@@ -39,6 +39,7 @@ Result<std::string> answer(const Question& question, const Asked& asked);
 Result<std::string> answer_log(const Question& question, const Asked& asked);
 Result<std::string> answer_show(const Question& question, const Asked& asked);
 Result<std::string> answer_diff(const Question& question, const Asked& asked);
+Result<std::string> answer_edge_show(const Question& question, const Asked& asked);
 
 /// JSON on several lines, whatever bytes its texts hold.
 std::string dump(const nlohmann::ordered_json& json, int indent = 2);

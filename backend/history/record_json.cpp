@@ -6,6 +6,7 @@
 #include <map>
 
 #include "cairn/factors/factor_codec.hpp"
+#include "cairn/history/order.hpp"
 
 namespace cairn {
 namespace {
@@ -38,6 +39,28 @@ Json json_of(const NewFactor& factor) {
   return json;
 }
 
+void add_edits(Json& json, const std::vector<FactorEdit>& edits) {
+  constexpr const char* kWords[] = {"disable", "enable", "remove"};
+  json["edits"] = Json::array();
+  for (const FactorEdit& edit : edits)
+    json["edits"].push_back(
+        {{"factor", to_string(edit.factor)}, {"change", kWords[static_cast<int>(edit.change)]}});
+}
+
+// "edge disable 12:0 14", as an operator would type it.
+std::string name_of(const Order& order) {
+  const Result<Question> question = Question::parse(order.asked);
+  if (!question) return order.asked;
+  std::string text = question->verb;
+  if (const auto record = question->options.find("record"); record != question->options.end())
+    text += ' ' + dump(*record, -1);
+  if (question->flag("cascade")) text += " --cascade";
+  if (const auto factors = question->options.find("factors"); factors != question->options.end())
+    for (const Json& factor : *factors)
+      text += ' ' + (factor.is_string() ? factor.get<std::string>() : dump(factor, -1));
+  return text;
+}
+
 void add(Json& json, const Transaction& transaction) {
   json["sent"] = to_utc(transaction.sent_ns);
   json["variables"] = Json::array();
@@ -45,11 +68,7 @@ void add(Json& json, const Transaction& transaction) {
     json["variables"].push_back(json_of(variable));
   json["factors"] = Json::array();
   for (const NewFactor& factor : transaction.factors) json["factors"].push_back(json_of(factor));
-  if (transaction.edits.empty()) return;
-  constexpr const char* kWords[] = {"disable", "enable", "remove"};
-  for (const FactorEdit& edit : transaction.edits)
-    json["edits"].push_back(
-        {{"factor", to_string(edit.factor)}, {"change", kWords[static_cast<int>(edit.change)]}});
+  if (!transaction.edits.empty()) add_edits(json, transaction.edits);
 }
 
 void add(Json& json, const TransactionRecord& record) {
@@ -66,7 +85,13 @@ void add(Json& json, const TransactionRecord& record) {
 void add(Json& json, const CommandRecord& record) {
   json["operator"] = record.operator_name;
   json["reason"] = record.reason;
-  json["command"] = record.command;
+  const auto order = order_of(record);
+  if (!order || !*order) {
+    json["command"] = record.command;
+    return;
+  }
+  json["command"] = (*order)->asked;
+  add_edits(json, (*order)->edits);
 }
 
 void add(Json& json, const VerdictRecord& record) {
@@ -115,7 +140,10 @@ std::string summary(const TransactionRecord& record) {
 }
 
 std::string summary(const CommandRecord& record) {
-  return record.operator_name + ": " + record.command +
+  const auto order = order_of(record);
+  const std::string what =
+      order && *order ? name_of(**order) + ": " + count_changes((*order)->edits) : record.command;
+  return record.operator_name + ": " + what +
          (record.reason.empty() ? "" : " (" + record.reason + ')');
 }
 

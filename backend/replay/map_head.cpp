@@ -2,6 +2,7 @@
 #include "cairn/replay/map_head.hpp"
 
 #include <algorithm>
+#include <set>
 
 #include "cairn/core/check.hpp"
 #include "cairn/factors/factor_codec.hpp"
@@ -39,7 +40,7 @@ std::optional<Refusal> MapHead::check(const Transaction& transaction) const {
   if (auto refusal = check_variables(transaction)) return refusal;
   if (auto refusal = check_factors(transaction)) return refusal;
   if (auto refusal = check_datum(transaction)) return refusal;
-  return check_edits(transaction);
+  return check(transaction.edits);
 }
 
 std::optional<Refusal> MapHead::check_variables(const Transaction& transaction) const {
@@ -115,13 +116,10 @@ std::optional<Refusal> MapHead::check_datum(const Transaction& transaction) cons
   return std::nullopt;
 }
 
-std::optional<Refusal> MapHead::check_edits(const Transaction& transaction) const {
-  for (const FactorEdit& edit : transaction.edits) {
-    const auto first = first_factor_of_.find(edit.factor.transaction);
-    const std::size_t place =
-        first == first_factor_of_.end() ? graph_.factors.size() : first->second + edit.factor.index;
-    const bool known = place < graph_.factors.size() && graph_.factors[place].name == edit.factor;
-    if (!known || graph_.factors[place].state == FactorState::kRemoved) {
+std::optional<Refusal> MapHead::check(std::span<const FactorEdit> edits) const {
+  for (const FactorEdit& edit : edits) {
+    const auto place = find(edit.factor);
+    if (!place || graph_.factors[*place].state == FactorState::kRemoved) {
       return Refusal{RefusalCode::kUnknownVariable,
                      "factor " + std::to_string(edit.factor.index) + " of " +
                          edit.factor.transaction.source + '/' +
@@ -177,14 +175,60 @@ void MapHead::apply(const Transaction& transaction, const Revision& revision) {
     for (const NodeId& node : factor.nodes) stored.nodes.push_back(*find(node));
     if (const auto datum = datum_of(factor)) graph_.datum = datum;
     graph_.factors.push_back(std::move(stored));
+    record_of_factor_.push_back(revision.number);
   }
   compose_from(first_new);
+  apply(transaction.edits, revision);
+  for (const FactorEdit& edit : transaction.edits)
+    switched_by_[revision.number].push_back(*find(edit.factor));
+}
+
+void MapHead::apply(std::span<const FactorEdit> edits, const Revision& revision) {
+  graph_.graph_revision = revision;
   constexpr FactorState kStates[] = {FactorState::kDisabled, FactorState::kCommitted,
                                      FactorState::kRemoved};
-  for (const FactorEdit& edit : transaction.edits) {
-    const std::size_t place = first_factor_of_.at(edit.factor.transaction) + edit.factor.index;
-    graph_.factors.edit(place).state = kStates[static_cast<int>(edit.change)];
+  for (const FactorEdit& edit : edits)
+    graph_.factors.edit(*find(edit.factor)).state = kStates[static_cast<int>(edit.change)];
+}
+
+std::optional<std::size_t> MapHead::find(const FactorName& factor) const {
+  const auto first = first_factor_of_.find(factor.transaction);
+  if (first == first_factor_of_.end()) return std::nullopt;
+  const std::size_t place = first->second + factor.index;
+  if (place < graph_.factors.size() && graph_.factors[place].name == factor) return place;
+  return std::nullopt;
+}
+
+std::pair<std::size_t, std::size_t> MapHead::factors_of(std::uint64_t record) const {
+  const auto [first, last] =
+      std::equal_range(record_of_factor_.begin(), record_of_factor_.end(), record);
+  return {first - record_of_factor_.begin(), last - record_of_factor_.begin()};
+}
+
+MapHead::Consequences MapHead::consequences_of(std::uint64_t record) const {
+  Consequences found;
+  std::set<std::uint64_t> gone{record};
+  for (std::size_t f = factors_of(record).first; f < graph_.factors.size(); ++f) {
+    const std::uint64_t own = record_of_factor_[f];
+    const auto& nodes = graph_.factors[f].nodes;
+    const bool depends = std::any_of(nodes.begin(), nodes.end(), [&](NodeIndex node) {
+      return gone.contains(arrivals_[node].number);
+    });
+    if (depends) gone.insert(own);
   }
+  for (std::size_t f = factors_of(record).first; f < graph_.factors.size(); ++f) {
+    if (gone.contains(record_of_factor_[f]) && graph_.factors[f].state == FactorState::kCommitted)
+      found.factors.push_back(f);
+  }
+  for (const auto& [by, places] : switched_by_) {
+    const bool touches = std::any_of(places.begin(), places.end(), [&](std::size_t place) {
+      return gone.contains(record_of_factor_[place]);
+    });
+    if (touches || gone.contains(by)) found.edited_by = by;
+  }
+  gone.erase(record);
+  found.dependents.assign(gone.begin(), gone.end());
+  return found;
 }
 
 void MapHead::apply_estimates(std::span<const std::pair<NodeIndex, Estimate>> changed,

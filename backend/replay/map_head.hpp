@@ -27,6 +27,9 @@ class MapHead {
   [[nodiscard]] std::optional<Refusal> check(const Transaction& transaction) const;
   /// Applies what check() let pass.
   void apply(const Transaction& transaction, const Revision& revision);
+  /// The same for changes of factors alone, as operators order them.
+  [[nodiscard]] std::optional<Refusal> check(std::span<const FactorEdit> edits) const;
+  void apply(std::span<const FactorEdit> edits, const Revision& revision);
   /// Takes the estimates of a solve for the nodes that were there at its base, and composes those
   /// that have come since onto them.
   void apply_estimates(std::span<const std::pair<NodeIndex, Estimate>> changed,
@@ -38,12 +41,25 @@ class MapHead {
 
   [[nodiscard]] const PoseGraph& graph() const { return graph_; }
   [[nodiscard]] std::optional<NodeIndex> find(const NodeId& node) const;
+  /// Its place in graph().factors.
+  [[nodiscard]] std::optional<std::size_t> find(const FactorName& factor) const;
+  /// Places in graph().factors of those that came with a record: from, and behind the last.
+  [[nodiscard]] std::pair<std::size_t, std::size_t> factors_of(std::uint64_t record) const;
+
+  /// What would not be in the map had a record never come.
+  struct Consequences {
+    /// Later records that use nodes of it, directly or through each other; ascending.
+    std::vector<std::uint64_t> dependents;
+    std::vector<std::size_t> factors;  ///< places of the committed factors of it and of those
+    /// A record among them that switches factors itself, or one that switches theirs.
+    std::optional<std::uint64_t> edited_by;
+  };
+  [[nodiscard]] Consequences consequences_of(std::uint64_t record) const;
 
  private:
   [[nodiscard]] std::optional<Refusal> check_variables(const Transaction& transaction) const;
   [[nodiscard]] std::optional<Refusal> check_factors(const Transaction& transaction) const;
   [[nodiscard]] std::optional<Refusal> check_datum(const Transaction& transaction) const;
-  [[nodiscard]] std::optional<Refusal> check_edits(const Transaction& transaction) const;
   [[nodiscard]] std::optional<VariableType> type_of(const NodeId& node,
                                                     const Transaction& transaction) const;
   [[nodiscard]] std::optional<std::uint32_t> placing_factor(const NewVariable& variable,
@@ -61,7 +77,10 @@ class MapHead {
   static constexpr std::uint32_t kNone = ~std::uint32_t{0};
 
   PoseGraph graph_;
-  std::vector<Arrival> arrivals_;  ///< by node
+  std::vector<Arrival> arrivals_;                ///< by node
+  std::vector<std::uint64_t> record_of_factor_;  ///< by place in graph_.factors; ascending
+  /// The factors, by place, that transactions have switched: front-ends seldom do.
+  std::map<std::uint64_t, std::vector<std::size_t>> switched_by_;
   std::unordered_map<NodeId, NodeIndex> index_of_node_;
   std::map<TransactionKey, std::size_t> first_factor_of_;  ///< place in graph_.factors
   std::map<std::string, std::string> source_of_robot_;     ///< who first added a node of it

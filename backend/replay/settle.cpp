@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <map>
-#include <numeric>
 #include <tuple>
 
 #include "cairn/core/bytes.hpp"
@@ -31,9 +30,10 @@ ContentHash hash_of(const StoredNode& node) {
 // the content of the node that has it, then that of all nodes.
 using EpochRank = std::tuple<std::uint64_t, ContentHash, ContentHash>;
 
-std::map<OdometryFrame, EpochRank> rank_epochs(const PoseGraph& map) {
+std::map<OdometryFrame, EpochRank> rank_epochs(const PoseGraph& map,
+                                               const std::vector<NodeIndex>& counting) {
   std::map<OdometryFrame, std::vector<std::pair<std::uint64_t, NodeIndex>>> nodes;
-  for (NodeIndex i = 0; i < map.nodes.size(); ++i)
+  for (const NodeIndex i : counting)
     nodes[map.nodes[i].id.frame].emplace_back(map.nodes[i].id.index, i);
   std::map<OdometryFrame, EpochRank> ranks;
   for (auto& [frame, own] : nodes) {
@@ -50,12 +50,25 @@ std::map<OdometryFrame, EpochRank> rank_epochs(const PoseGraph& map) {
   return ranks;
 }
 
+// Where all factors of a node were switched off, nothing is known of it any more.
+std::vector<NodeIndex> nodes_that_count(const PoseGraph& map) {
+  std::vector<bool> had_factor(map.nodes.size()), has_factor(map.nodes.size());
+  for (std::uint32_t f = 0; f < map.factors.size(); ++f) {
+    const bool committed = map.factors[f].state == FactorState::kCommitted;
+    for (const NodeIndex node : map.factors[f].nodes)
+      (committed ? has_factor : had_factor)[node] = true;
+  }
+  std::vector<NodeIndex> nodes;
+  for (NodeIndex i = 0; i < map.nodes.size(); ++i)
+    if (has_factor[i] || !had_factor[i]) nodes.push_back(i);
+  return nodes;
+}
+
 std::vector<NodeIndex> order_nodes(const PoseGraph& map) {
-  const std::map<OdometryFrame, EpochRank> ranks = rank_epochs(map);
+  std::vector<NodeIndex> order = nodes_that_count(map);
+  const std::map<OdometryFrame, EpochRank> ranks = rank_epochs(map, order);
   std::vector<const EpochRank*> rank(map.nodes.size());
-  for (std::size_t i = 0; i < rank.size(); ++i) rank[i] = &ranks.at(map.nodes[i].id.frame);
-  std::vector<NodeIndex> order(map.nodes.size());
-  std::iota(order.begin(), order.end(), 0);
+  for (const NodeIndex i : order) rank[i] = &ranks.at(map.nodes[i].id.frame);
   std::sort(order.begin(), order.end(), [&](NodeIndex a, NodeIndex b) {
     const NodeId &x = map.nodes[a].id, &y = map.nodes[b].id;
     return std::tie(x.frame.robot, *rank[a], x.index) < std::tie(y.frame.robot, *rank[b], y.index);
@@ -89,8 +102,9 @@ std::vector<std::uint32_t> order_factors(const PoseGraph& map,
   return order;
 }
 
-std::vector<std::uint32_t> inverse(const std::vector<NodeIndex>& order) {
-  std::vector<std::uint32_t> place(order.size());
+// Place by node; of nodes that have none, anything.
+std::vector<std::uint32_t> inverse(const std::vector<NodeIndex>& order, const PoseGraph& map) {
+  std::vector<std::uint32_t> place(map.nodes.size());
   for (std::uint32_t i = 0; i < order.size(); ++i) place[order[i]] = i;
   return place;
 }
@@ -98,7 +112,7 @@ std::vector<std::uint32_t> inverse(const std::vector<NodeIndex>& order) {
 }  // namespace
 
 CanonicalOrder::CanonicalOrder(const PoseGraph& map)
-    : nodes(order_nodes(map)), factors(order_factors(map, inverse(nodes))) {}
+    : nodes(order_nodes(map)), factors(order_factors(map, inverse(nodes, map))) {}
 
 Graph canonical_graph(const PoseGraph& map, const CanonicalOrder& order) {
   Graph graph;
@@ -108,7 +122,7 @@ Graph canonical_graph(const PoseGraph& map, const CanonicalOrder& order) {
     const bool added = add_variable(graph, VariableId{place}, node.type, node.start).ok();
     CAIRN_CHECK(added, "a node of the map that a graph refuses");
   }
-  const std::vector<std::uint32_t> place_of_node = inverse(order.nodes);
+  const std::vector<std::uint32_t> place_of_node = inverse(order.nodes, map);
   for (const std::uint32_t f : order.factors) {
     const StoredFactor& stored = map.factors[f];
     std::vector<VariableId> ids;

@@ -14,7 +14,7 @@ namespace cairn {
 /// odometry epoch (by the smallest index and content it holds, never by its random value), then
 /// index; factors by their nodes, type and content. Arrival order, keys and times take no part.
 struct CanonicalOrder {
-  std::vector<NodeIndex> nodes;
+  std::vector<NodeIndex> nodes;        ///< but those whose factors are all switched off
   std::vector<std::uint32_t> factors;  ///< places in PoseGraph::factors; committed ones only
 
   explicit CanonicalOrder(const PoseGraph& map);

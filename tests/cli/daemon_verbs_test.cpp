@@ -19,6 +19,7 @@ namespace {
 using namespace cairn::test;
 using nlohmann::json;
 using testing::HasSubstr;
+using testing::Not;
 
 std::string own_domain() { return std::to_string(cairn::test::own_domain()); }
 
@@ -142,6 +143,40 @@ TEST_F(DaemonVerbs, ReplayingTwiceSaysWhatToDo) {
   const auto other = replay({file("grid.g2o"), "--prefix", "second-"});
   EXPECT_EQ(other.exit_code, 0) << other.err;
   EXPECT_EQ(json::parse(ask({"status", "--json"}).out)["variables"], 20);
+}
+
+// A false loop is found in the log and taken back; the map is again what it was without it.
+TEST_F(DaemonVerbs, UndoAFalseLoop) {
+  ASSERT_EQ(run_cairn({"simulate", "city", "--poses", "60", "-o", file("city.g2o")}).exit_code, 0);
+  start();
+  ASSERT_EQ(replay({file("city.g2o")}).exit_code, 0);
+  const std::string before = ask({"settle"}).out;
+  const std::string chi2 = before.substr(before.find("chi2"));
+  auto client =
+      cairn::Client::connect({.domain = static_cast<std::uint32_t>(std::stoi(own_domain())),
+                              .source = "mirror",
+                              .robot = "city",
+                              .spool = file("mirror-spool")});
+  ASSERT_TRUE(client);
+  cairn::Transaction loop;
+  loop.factors.push_back({cairn::FactorType{1},
+                          cairn::FactorKind::kLoop,
+                          {{{"city", 0}, 5}, {{"city", 0}, 40}},
+                          {0.5, 0.5, 0.1, 100.0, 0.0, 0.0, 100.0, 0.0, 400.0}});
+  const auto receipt = client->submit(loop, std::chrono::seconds(20));
+  ASSERT_TRUE(receipt) << receipt.error().to_string();
+  ASSERT_FALSE(receipt->refusal) << receipt->reason;
+  EXPECT_THAT(ask({"settle"}).out, Not(HasSubstr(chi2)));
+  const std::string record = std::to_string(receipt->revision.number);
+  EXPECT_THAT(ask({"edge", "show", record}).out, HasSubstr("committed"));
+  const auto undone = ask({"undo", record, "--reason", "a mirror", "--operator", "anna"});
+  ASSERT_EQ(undone.exit_code, 0) << undone.err;
+  EXPECT_THAT(undone.out, HasSubstr("1 factor disabled, record "));
+  EXPECT_THAT(ask({"settle"}).out, HasSubstr(chi2));
+  EXPECT_THAT(ask({"edge", "show", record}).out, HasSubstr("disabled"));
+  EXPECT_THAT(ask({"log"}).out,
+              HasSubstr("anna: undo " + record + ": 1 factor disabled (a mirror)"));
+  EXPECT_EQ(ask({"undo", "100000"}).exit_code, 2);
 }
 
 TEST_F(DaemonVerbs, TakeGnssAtOneDatum) {

@@ -147,6 +147,37 @@ TEST_F(DataVerbs, SettleAppendsASolveOnce) {
               HasSubstr("1 solves solved again with the same bits"));
 }
 
+TEST_F(DataVerbs, EdgesAreSwitchedAndUndoneAndTheStoryIsKept) {
+  const auto shown = run({"edge", "show", "25"});
+  ASSERT_EQ(shown.exit_code, 0) << shown.err;
+  const auto lines = lines_of(shown.out);
+  ASSERT_EQ(lines.size(), 2u);
+  EXPECT_THAT(lines[1], HasSubstr("25:1        committed    chi2 "));
+  EXPECT_THAT(lines[1], HasSubstr("between_se2 (loop) robot/3/17 robot/3/24"));
+
+  const auto switched =
+      run({"edge", "disable", "25:1", "26:1", "--reason", "a mirror", "--operator", "anna"});
+  ASSERT_EQ(switched.exit_code, 0) << switched.err;
+  EXPECT_EQ(switched.out, "2 factors disabled, record 35\n");
+  EXPECT_EQ(run({"edge", "disable", "25:1"}).out, "nothing changed: it is so already\n");
+  EXPECT_EQ(run({"undo", "20"}).exit_code, 4) << "later poses stand on it";
+  EXPECT_EQ(run({"settle", "-q"}).exit_code, 0);
+  const auto undone = run({"undo", "35", "--operator", "bert"});
+  ASSERT_EQ(undone.exit_code, 0) << undone.err;
+  EXPECT_EQ(undone.out, "2 factors enabled, record 37\n");
+
+  const auto log = lines_of(run({"log"}).out);
+  ASSERT_EQ(log.size(), 37u);
+  EXPECT_THAT(log[34], HasSubstr("anna: edge disable 25:1 26:1: 2 factors disabled (a mirror)"));
+  EXPECT_THAT(log[36], HasSubstr("bert: undo 35: 2 factors enabled"));
+  EXPECT_THAT(run({"show", "35"}).out, HasSubstr("laser/25#1"));
+  const auto verified = run({"verify"});
+  EXPECT_EQ(verified.exit_code, 0) << verified.err << verified.out;
+  EXPECT_EQ(run({"edge", "disable", "1:0"}).exit_code, 2);
+  EXPECT_EQ(run({"undo", "31"}).exit_code, 2) << "a solve";
+  EXPECT_EQ(run_cairn({"edge"}).exit_code, 2);
+}
+
 TEST_F(DataVerbs, BackupsAreRestoredIntoANewEra) {
   ASSERT_EQ(run({"backup", file("backups")}).exit_code, 0);
   const auto restored = run_cairn({"restore", file("backups"), "--data", file("again")});

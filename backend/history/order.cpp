@@ -1,0 +1,250 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "cairn/history/order.hpp"
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <ranges>
+#include <set>
+
+namespace cairn {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr std::array kChanges{"disable", "enable", "remove"};
+constexpr std::size_t kMostListed = 20;
+
+std::optional<FactorChange> change_named(const std::string& word) {
+  const auto found = std::find(kChanges.begin(), kChanges.end(), word);
+  if (found == kChanges.end()) return std::nullopt;
+  return static_cast<FactorChange>(found - kChanges.begin());
+}
+
+bool is_so(FactorState state, FactorChange change) {
+  switch (change) {
+    case FactorChange::kDisable:
+      return state == FactorState::kDisabled;
+    case FactorChange::kEnable:
+      return state == FactorState::kCommitted;
+    case FactorChange::kRemove:
+      break;
+  }
+  return state == FactorState::kRemoved;
+}
+
+std::optional<std::uint64_t> whole_number(std::string_view text) {
+  std::uint64_t number = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
+  if (error != std::errc() || end != text.data() + text.size()) return std::nullopt;
+  return number;
+}
+
+// Who asked, and why, stands in fields of its own.
+std::string asked_by(Question question) {
+  question.options.erase("operator");
+  question.options.erase("reason");
+  return question.verb + ' ' + dump(question.options, -1);
+}
+
+// "12:3" is the factor 3 of record 12; "12" all of them.
+Result<std::vector<std::size_t>> places_of(const std::string& name, const MapHead& head) {
+  const std::size_t colon = name.find(':');
+  const auto record = whole_number(std::string_view(name).substr(0, colon));
+  const auto place = colon == std::string::npos
+                         ? std::nullopt
+                         : whole_number(std::string_view(name).substr(colon + 1));
+  if (!record || (colon != std::string::npos && !place))
+    return Error{ErrorCode::kUsage,
+                 "'" + name.substr(0, 60) +
+                     "' names no factor; expected RECORD or RECORD:PLACE, such as "
+                     "12:0 (cairn log lists records, cairn show their factors)"};
+  const auto [first, last] = head.factors_of(*record);
+  if (first == last || (place && *place >= last - first))
+    return Error{ErrorCode::kUsage, "there is no factor " + name + ": record " +
+                                        std::to_string(*record) + " has " +
+                                        std::to_string(last - first) + " factors in the map"};
+  std::vector<std::size_t> places;
+  for (std::size_t f = first; f < last; ++f)
+    if (!place || f == first + *place) places.push_back(f);
+  return places;
+}
+
+Result<Order> order_edges(const Question& question, const MapHead& head) {
+  if (auto known = question.check_options({"factors", "operator", "reason"}); !known)
+    return known.error();
+  const FactorChange change = *change_named(question.verb.substr(question.verb.find(' ') + 1));
+  const auto names = question.options.find("factors");
+  if (names == question.options.end() || !names->is_array() || names->empty())
+    return Error{ErrorCode::kUsage, question.verb + " expects the option factors: a list of names"};
+  std::set<std::size_t> all;
+  for (const Json& name : *names) {
+    const auto places =
+        places_of(name.is_string() ? name.get<std::string>() : dump(name, -1), head);
+    if (!places) return places.error();
+    all.insert(places->begin(), places->end());
+  }
+  Order order{asked_by(question), {}};
+  for (const std::size_t place : all) {
+    const StoredFactor& factor = head.graph().factors[place];
+    if (!is_so(factor.state, change)) order.edits.push_back({factor.name, change});
+  }
+  if (const auto refusal = head.check(order.edits))
+    return Error{ErrorCode::kNotUsable, refusal->reason + ": what was removed stays removed"};
+  return order;
+}
+
+std::string list(const std::vector<std::uint64_t>& records) {
+  std::string text;
+  for (std::size_t i = 0; i < std::min(records.size(), kMostListed); ++i)
+    text += (i == 0 ? "" : ", ") + std::to_string(records[i]);
+  if (records.size() > kMostListed)
+    text += " and " + std::to_string(records.size() - kMostListed) + " more";
+  return text;
+}
+
+Result<std::vector<FactorEdit>> undo_transaction(std::uint64_t record, bool cascade,
+                                                 const MapHead& head) {
+  const MapHead::Consequences gone = head.consequences_of(record);
+  if (gone.edited_by)
+    return Error{ErrorCode::kNotUsable, "record " + std::to_string(*gone.edited_by) +
+                                            " switches factors itself, which cannot be taken back "
+                                            "with others; use cairn edge"};
+  if (!gone.dependents.empty() && !cascade)
+    return Error{ErrorCode::kNotUsable,
+                 "later records use variables that record " + std::to_string(record) +
+                     " added, and would have been refused without it: " + list(gone.dependents) +
+                     "; --cascade undoes them, too"};
+  std::vector<FactorEdit> edits;
+  for (const std::size_t place : gone.factors)
+    edits.push_back({head.graph().factors[place].name, FactorChange::kDisable});
+  return edits;
+}
+
+Result<std::vector<FactorEdit>> undo_order(std::uint64_t number, const Order& order,
+                                           const MapHead& head) {
+  std::vector<FactorEdit> edits;
+  for (FactorEdit edit : order.edits) {
+    if (edit.change == FactorChange::kRemove)
+      return Error{ErrorCode::kNotUsable, "record " + std::to_string(number) +
+                                              " removed factors for good; disable keeps them"};
+    edit.change =
+        edit.change == FactorChange::kDisable ? FactorChange::kEnable : FactorChange::kDisable;
+    edits.push_back(std::move(edit));
+  }
+  std::erase_if(edits, [&](const FactorEdit& edit) {
+    const auto place = head.find(edit.factor);
+    return place && is_so(head.graph().factors[*place].state, edit.change);
+  });
+  if (const auto refusal = head.check(edits))
+    return Error{ErrorCode::kNotUsable, refusal->reason + ": it was removed since"};
+  return edits;
+}
+
+Result<Order> order_undo(const Question& question, const Journal& journal, const MapHead& head) {
+  if (auto known = question.check_options({"record", "cascade", "operator", "reason"}); !known)
+    return known.error();
+  const std::uint64_t number = question.number("record", 0),
+                      newest = journal.head().revision.number;
+  if (number == 0 || number > newest)
+    return Error{ErrorCode::kUsage, "there is no record " + std::to_string(number) +
+                                        "; expected one of 1 to " + std::to_string(newest)};
+  const Result<Record> record = journal.read(number);
+  if (!record) return record.error();
+  Result<std::vector<FactorEdit>> edits = Error{
+      ErrorCode::kUsage, "record " + std::to_string(number) +
+                             " changed nothing that could be undone: only transactions that were "
+                             "accepted and operators' orders can"};
+  if (const auto* command = std::get_if<CommandRecord>(&record->body)) {
+    const auto order = order_of(*command);
+    if (!order) return order.error();
+    if (*order) edits = undo_order(number, **order, head);
+  } else if (const auto* sent = std::get_if<TransactionRecord>(&record->body)) {
+    if (std::holds_alternative<Transaction>(sent->outcome))
+      edits = undo_transaction(number, question.flag("cascade"), head);
+  }
+  if (!edits) return edits.error();
+  return Order{asked_by(question), std::move(*edits)};
+}
+
+Json to_json(const FactorEdit& edit) {
+  const TransactionKey& key = edit.factor.transaction;
+  return {key.source, key.epoch, key.sequence, edit.factor.index,
+          kChanges[static_cast<std::size_t>(edit.change)]};
+}
+
+std::optional<FactorEdit> edit_of(const Json& json) {
+  if (!json.is_array() || json.size() != 5 || !json[0].is_string() || !json[4].is_string() ||
+      !std::all_of(json.begin() + 1, json.begin() + 4,
+                   [](const Json& number) { return number.is_number_unsigned(); }))
+    return std::nullopt;
+  const auto change = change_named(json[4].get<std::string>());
+  if (!change || json[3].get<std::uint64_t>() > ~std::uint32_t{0}) return std::nullopt;
+  const TransactionKey key{json[0].get<std::string>(), json[1].get<std::uint64_t>(),
+                           json[2].get<std::uint64_t>()};
+  return FactorEdit{{key, json[3].get<std::uint32_t>()}, *change};
+}
+
+}  // namespace
+
+bool is_order(const Question& question) {
+  if (question.verb == "undo") return true;
+  return question.verb.starts_with("edge ") && change_named(question.verb.substr(5));
+}
+
+Result<Order> make_order(const Question& question, const Journal& journal, const MapHead& head) {
+  Result<Order> order =
+      question.verb == "undo" ? order_undo(question, journal, head) : order_edges(question, head);
+  if (!order) return order;
+  // Names are bytes, JSON is UTF-8.
+  const auto kept = order_of(to_record(*order, question, 0));
+  const auto same = [](const FactorEdit& a, const FactorEdit& b) {
+    return a.factor == b.factor && a.change == b.change;
+  };
+  if (!kept || !*kept || !std::ranges::equal((*kept)->edits, order->edits, same))
+    return Error{ErrorCode::kNotUsable,
+                 "a source's name is not UTF-8: its factors cannot be named in a journal"};
+  return order;
+}
+
+CommandRecord to_record(const Order& order, const Question& question, std::int64_t time_ns) {
+  Json edits = Json::array();
+  for (const FactorEdit& edit : order.edits) edits.push_back(to_json(edit));
+  return {question.text("operator"), question.text("reason"),
+          dump({{"asked", order.asked}, {"edits", std::move(edits)}}, -1), time_ns};
+}
+
+Result<std::optional<Order>> order_of(const CommandRecord& record) {
+  const Json whole = Json::parse(record.command, nullptr, false);
+  if (!whole.is_object()) return std::optional<Order>();
+  const Error broken{ErrorCode::kBadInput, "the order '" + record.command.substr(0, 60) +
+                                               "' holds changes that this Cairn cannot read"};
+  const auto asked = whole.find("asked"), edits = whole.find("edits");
+  if (asked == whole.end() || !asked->is_string() || edits == whole.end() || !edits->is_array())
+    return broken;
+  Order order{asked->get<std::string>(), {}};
+  for (const Json& json : *edits) {
+    auto edit = edit_of(json);
+    if (!edit) return broken;
+    order.edits.push_back(std::move(*edit));
+  }
+  return std::optional(std::move(order));
+}
+
+std::string count_changes(const std::vector<FactorEdit>& edits) {
+  constexpr std::array kDone{" disabled", " enabled", " removed"};
+  std::array<std::size_t, 3> counts{};
+  for (const FactorEdit& edit : edits) ++counts[static_cast<std::size_t>(edit.change)];
+  std::string text;
+  for (std::size_t i = 0; i < counts.size(); ++i) {
+    if (counts[i] == 0) continue;
+    text += (text.empty() ? "" : ", ") + std::to_string(counts[i]) +
+            (!text.empty()    ? ""
+             : counts[i] == 1 ? " factor"
+                              : " factors") +
+            kDone[i];
+  }
+  return text.empty() ? "nothing changed: it is so already" : text;
+}
+
+}  // namespace cairn

@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "cairn/history/question.hpp"
+
+namespace cairn {
+
+/// What an operator changes by hand: factors that are switched off, on, or removed for good. Kept
+/// as a command record, so that it can be told, done again by `cairn verify`, and undone.
+struct Order {
+  std::string asked;              ///< "edge disable {...}": the question it was
+  std::vector<FactorEdit> edits;  ///< only of factors that are not so already
+};
+
+/// Works out what a question orders, on the map at the journal's head:
+/// `edge disable|enable|remove {"factors": ["12:0", "14"]}` by record and place (all of a record's
+/// without one); `undo {"record": 12, "cascade": false}`: the map as if a transaction had never
+/// come, or an order had never been given. kUsage where it makes no sense, kNotUsable where later
+/// records stand in the way; the message lists them.
+Result<Order> make_order(const Question& question, const Journal& journal, const MapHead& head);
+/// Whether make_order() is whom to ask.
+bool is_order(const Question& question);
+
+CommandRecord to_record(const Order& order, const Question& question, std::int64_t time_ns);
+/// Nothing where the record is a note that orders nothing.
+Result<std::optional<Order>> order_of(const CommandRecord& record);
+
+/// "2 factors disabled, 1 enabled", for people.
+std::string count_changes(const std::vector<FactorEdit>& edits);
+
+}  // namespace cairn

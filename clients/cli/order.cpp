@@ -1,0 +1,129 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// edge and undo: what operators change by hand.
+#include "cairn/history/order.hpp"
+
+#include <unistd.h>
+
+#include <cstdlib>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "cairn/core/exit_code.hpp"
+#include "cairn/core/wall_clock.hpp"
+#include "clients/cli/choices.hpp"
+#include "clients/cli/console.hpp"
+#include "clients/cli/target.hpp"
+#include "clients/cli/verb.hpp"
+#include "server/replay_journal.hpp"
+
+namespace cairn::cli {
+namespace {
+
+struct OrderArguments {
+  Target target;
+  std::vector<std::string> factors;
+  std::uint64_t record = 0;
+  std::string operator_name, reason;
+  bool cascade = false, json = false, quiet = false;
+};
+
+// user@host
+std::string whoever_asks() {
+  const char* user = std::getenv("SUDO_USER");
+  if (user == nullptr) user = std::getenv("USER");
+  char host[256] = "";
+  gethostname(host, sizeof host - 1);
+  return std::string(user == nullptr ? "somebody" : user) + '@' + host;
+}
+
+Result<std::string> order_in_folder(const std::string& folder, const Question& question) {
+  if (const auto sound = check_sound(folder); !sound) return sound.error();
+  const auto journal = Journal::open(folder);
+  if (!journal) return journal.error();
+  MapHead head;
+  Sequencer sequencer;
+  if (const auto replayed = replay_journal(**journal, head, sequencer); !replayed)
+    return replayed.error();
+  const Result<Order> order = make_order(question, **journal, head);
+  if (!order) return order.error();
+  if (order->edits.empty()) return count_changes({});
+  const RecordBody record = to_record(*order, question, wall_clock_ns());
+  const Result<Revision> appended = (*journal)->append({&record, 1});
+  if (!appended) return appended.error();
+  return count_changes(order->edits) + ", record " + std::to_string(appended->number);
+}
+
+int give(const OrderArguments& a, Question question) {
+  question.options["operator"] = a.operator_name.empty() ? whoever_asks() : a.operator_name;
+  question.options["reason"] = a.reason;
+  const Result<std::string> done = a.target.is_folder()
+                                       ? order_in_folder(a.target.folder, question)
+                                       : ask(a.target, question, std::chrono::seconds(30));
+  if (!done) return fail(done.error());
+  Console(false, a.quiet).say(*done);
+  return kDone;
+}
+
+void add_who_and_why(CLI::App& verb, OrderArguments& a) {
+  verb.add_option("--reason", a.reason, "why; kept in the journal")
+      ->type_name("TEXT")
+      ->default_str("");
+  verb.add_option("--operator", a.operator_name,
+                  "who; kept in the journal (else you, at this host)")
+      ->type_name("NAME")
+      ->default_str("");
+  add_target(verb, a.target);
+  verb.add_flag("-q,--quiet", a.quiet, "say nothing but warnings and errors");
+}
+
+constexpr const char* kCodes =
+    "Exit codes: 0 done, 2 usage or no such factor, 3 damaged, 4 not possible any more, 5 no "
+    "daemon "
+    "answers.";
+
+}  // namespace
+
+Run add_edge(CLI::App& parent, CLI::App*& verb) {
+  auto a = std::make_shared<OrderArguments>();
+  verb = parent.add_subcommand("edge", "Show factors, or switch them off and on by hand");
+  verb->footer(std::string("A factor is RECORD:PLACE (12:0), or RECORD for all of a record's; "
+                           "`cairn log` lists records.\n"
+                           "What was switched off takes no part in estimates; what was removed "
+                           "never comes back.\n") +
+               kCodes);
+  verb->require_subcommand(1);
+  CLI::App* show = verb->add_subcommand("show", "The factors of a record, as they stand now");
+  show->add_option("RECORD", a->record, "its number")->required()->default_str("");
+  show->add_flag("--json", a->json, "print JSON");
+  add_target(*show, a->target);
+  for (const char* change : {"disable", "enable", "remove"}) {
+    CLI::App* sub =
+        verb->add_subcommand(change, std::string("The daemon is to ") + change + " these factors");
+    sub->add_option("FACTOR", a->factors, "RECORD:PLACE or RECORD")->required()->default_str("");
+    add_who_and_why(*sub, *a);
+  }
+  return [a, verb] {
+    const CLI::App* chosen = verb->get_subcommands().front();
+    if (chosen->get_name() == "show")
+      return ask_and_print(a->target, {"edge show", {{"record", a->record}, {"json", a->json}}},
+                           std::chrono::seconds(30));
+    return give(*a, {"edge " + chosen->get_name(), {{"factors", a->factors}}});
+  };
+}
+
+Run add_undo(CLI::App& parent, CLI::App*& verb) {
+  auto a = std::make_shared<OrderArguments>();
+  verb = parent.add_subcommand("undo", "Take back a transaction or an operator's order");
+  verb->footer(std::string("The map is as if the transaction had never come; the journal keeps "
+                           "both. Undoing the undo brings it back.\n") +
+               kCodes);
+  verb->add_option("R", a->record, "the record's number; `cairn log` lists them")
+      ->required()
+      ->default_str("");
+  verb->add_flag("--cascade", a->cascade, "also what later records have built on it");
+  add_who_and_why(*verb, *a);
+  return [a] { return give(*a, {"undo", {{"record", a->record}, {"cascade", a->cascade}}}); };
+}
+
+}  // namespace cairn::cli
