@@ -15,7 +15,6 @@
 #include "clients/cli/console.hpp"
 #include "clients/cli/target.hpp"
 #include "clients/cli/verb.hpp"
-#include "server/replay_journal.hpp"
 
 namespace cairn::cli {
 namespace {
@@ -38,18 +37,13 @@ std::string whoever_asks() {
 }
 
 Result<std::string> order_in_folder(const std::string& folder, const Question& question) {
-  if (const auto sound = check_sound(folder); !sound) return sound.error();
-  const auto journal = Journal::open(folder);
-  if (!journal) return journal.error();
-  MapHead head;
-  Sequencer sequencer;
-  if (const auto replayed = replay_journal(**journal, head, sequencer); !replayed)
-    return replayed.error();
-  const Result<Order> order = make_order(question, **journal, head);
+  const Result<OpenFolder> open = open_for_writing(folder);
+  if (!open) return open.error();
+  const Result<Order> order = make_order(question, *open->journal, open->head);
   if (!order) return order.error();
   if (order->edits.empty()) return count_changes({});
   const RecordBody record = to_record(*order, question, wall_clock_ns());
-  const Result<Revision> appended = (*journal)->append({&record, 1});
+  const Result<Revision> appended = open->journal->append({&record, 1});
   if (!appended) return appended.error();
   return count_changes(order->edits) + ", record " + std::to_string(appended->number);
 }

@@ -9,7 +9,6 @@
 #include "clients/cli/console.hpp"
 #include "clients/cli/target.hpp"
 #include "clients/cli/verb.hpp"
-#include "server/replay_journal.hpp"
 
 namespace cairn::cli {
 namespace {
@@ -28,26 +27,22 @@ constexpr const char* kFooter =
     "Exit codes: 0 done, 2 usage, 3 damaged, 4 the map cannot be solved, 5 no daemon answers.";
 
 Result<std::string> settle_folder(const std::string& folder) {
-  if (const auto sound = check_sound(folder); !sound) return sound.error();
-  const auto journal = Journal::open(folder);
-  if (!journal) return journal.error();
-  MapHead head;
-  Sequencer sequencer;
-  if (const auto replayed = replay_journal(**journal, head, sequencer); !replayed)
-    return replayed.error();
-  const PoseGraph map = head.graph();
+  Result<OpenFolder> open = open_for_writing(folder);
+  if (!open) return open.error();
+  Journal& journal = *open->journal;
+  const PoseGraph map = open->head.graph();
   if (map.factors.size() == 0) return settled_text(map.graph_revision, 0.0);
   const SettledEstimate settled = settle(map);
   if (!settled.summary.usable())
     return Error{ErrorCode::kNotUsable, unsettled_text(settled.summary), folder};
   const auto changed = changed_estimates(map, settled);
   if (!changed.empty() || map.solved_revision.number + 1 < map.graph_revision.number) {
-    Revision next = (*journal)->head().revision;
+    Revision next = journal.head().revision;
     ++next.number;
-    const RecordBody record = apply_solve(head, map.graph_revision, changed, next);
-    if (const auto appended = (*journal)->append({&record, 1}); !appended) return appended.error();
+    const RecordBody record = apply_solve(open->head, map.graph_revision, changed, next);
+    if (const auto appended = journal.append({&record, 1}); !appended) return appended.error();
   }
-  return settled_text((*journal)->head().revision, settled.summary.final_chi2);
+  return settled_text(journal.head().revision, settled.summary.final_chi2);
 }
 
 Result<std::string> settle_daemon(const Target& target) {

@@ -8,6 +8,7 @@
 #include "cairn/core/exit_code.hpp"
 #include "clients/cli/choices.hpp"
 #include "clients/cli/verb.hpp"
+#include "server/replay_journal.hpp"
 
 namespace cairn::cli {
 namespace {
@@ -95,6 +96,17 @@ Result<void> check_sound(const std::string& folder) {
   const auto journal = open_for_reading(folder);
   if (!journal) return journal.error();
   return (*journal)->verify();
+}
+
+Result<OpenFolder> open_for_writing(const std::string& folder) {
+  if (const auto sound = check_sound(folder); !sound) return sound.error();
+  auto journal = Journal::open(folder);
+  if (!journal) return journal.error();
+  OpenFolder open{std::move(*journal), {}};
+  Sequencer sequencer;
+  if (const auto replayed = replay_journal(*open.journal, open.head, sequencer); !replayed)
+    return replayed.error();
+  return open;
 }
 
 Result<std::string> ask(const Target& target, const Question& question,

@@ -41,6 +41,13 @@ Result<std::unique_ptr<Journal>> open_for_reading(const std::string& folder);
 /// for writing would mend it, and that is the daemon's to do.
 Result<void> check_sound(const std::string& folder);
 
+/// A sound folder, open for writing, and the map at its end.
+struct OpenFolder {
+  std::unique_ptr<Journal> journal;
+  MapHead head;
+};
+Result<OpenFolder> open_for_writing(const std::string& folder);
+
 /// For answers that take a daemon some work.
 inline constexpr std::chrono::minutes kLongWork{10};
 /// The answer of the daemon, for which `patience` waits once one is there, or of the folder: the
