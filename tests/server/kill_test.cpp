@@ -213,15 +213,19 @@ class Resender final : public LinkListener {
   }
   void on_receipt(Receipt receipt) override {
     if (receipt.refusal && is_retryable(*receipt.refusal)) return;  // the lease of the one before
-    // Of what was decided long ago the daemon knows no more than that (long soak runs).
+    // Of what was decided long ago the daemon knows no more than that (long soak runs). An old copy
+    // of a spool does not know how long.
     const bool long_ago =
-        receipt.key.sequence + SequencerLimits{}.kept_decisions < spool_.next_sequence();
+        receipt.key.sequence + SequencerLimits{}.kept_decisions <= highest_decided_;
     const bool stale = long_ago && receipt.refusal == RefusalCode::kStale;
     EXPECT_TRUE(!receipt.refusal || stale) << receipt.reason;
     const std::lock_guard lock(mutex_);
     answers_[{receipt.key.source, receipt.key.sequence}] = stale ? kStale : receipt.revision.number;
   }
-  void on_source_state(SourceState state) override { daemon_ns_ = state.daemon_ns; }
+  void on_source_state(SourceState state) override {
+    daemon_ns_ = state.daemon_ns;
+    highest_decided_ = state.highest_decided;
+  }
   void on_payload_receipt(PayloadReceipt) override {}
   void on_poses(EstimateRevisions, std::vector<PoseChunk>) override {}
   void on_landmarks(EstimateRevisions, std::vector<LandmarkChunk>) override {}
@@ -235,6 +239,7 @@ class Resender final : public LinkListener {
   Spool spool_;
   std::unique_ptr<Link> link_;
   std::atomic<std::int64_t> daemon_ns_{0};
+  std::atomic<std::uint64_t> highest_decided_{0};
   std::mutex mutex_;
   Receipted answers_;
 };
