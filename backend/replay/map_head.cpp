@@ -180,7 +180,7 @@ void MapHead::apply(const Transaction& transaction, const Revision& revision) {
   compose_from(first_new);
   apply(transaction.edits, revision);
   for (const FactorEdit& edit : transaction.edits)
-    switched_by_[revision.number].push_back(*find(edit.factor));
+    switched_by_[*find(edit.factor)] = revision.number;
 }
 
 void MapHead::apply(std::span<const FactorEdit> edits, const Revision& revision) {
@@ -220,12 +220,8 @@ MapHead::Consequences MapHead::consequences_of(std::uint64_t record) const {
     if (gone.contains(record_of_factor_[f]) && graph_.factors[f].state == FactorState::kCommitted)
       found.factors.push_back(f);
   }
-  for (const auto& [by, places] : switched_by_) {
-    const bool touches = std::any_of(places.begin(), places.end(), [&](std::size_t place) {
-      return gone.contains(record_of_factor_[place]);
-    });
-    if (touches || gone.contains(by)) found.edited_by = by;
-  }
+  for (const auto& [place, by] : switched_by_)
+    if (gone.contains(record_of_factor_[place]) || gone.contains(by)) found.edited_by = by;
   gone.erase(record);
   found.dependents.assign(gone.begin(), gone.end());
   return found;

@@ -79,8 +79,8 @@ class MapHead {
   PoseGraph graph_;
   std::vector<Arrival> arrivals_;                ///< by node
   std::vector<std::uint64_t> record_of_factor_;  ///< by place in graph_.factors; ascending
-  /// The factors, by place, that transactions have switched: front-ends seldom do.
-  std::map<std::uint64_t, std::vector<std::size_t>> switched_by_;
+  /// By place of a factor, the last record of a transaction that switched it.
+  std::map<std::size_t, std::uint64_t> switched_by_;
   std::unordered_map<NodeId, NodeIndex> index_of_node_;
   std::map<TransactionKey, std::size_t> first_factor_of_;  ///< place in graph_.factors
   std::map<std::string, std::string> source_of_robot_;     ///< who first added a node of it
