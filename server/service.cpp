@@ -279,6 +279,7 @@ void Service::start_solve() {
       pass(ServicePoint::kSolving);
       return !abandon_solve_;
     };
+    pass(ServicePoint::kSolving);  // a start that is the solution has no iterations
     post(std::make_unique<Solved>(Solved{base, settle(base, keep_going)}));
   });
 }

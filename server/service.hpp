@@ -31,7 +31,7 @@ enum class ServicePoint {
   kReplayingRecord,
   kBeforeCommit,
   kCommitted,  ///< and nobody told
-  kSolving,    ///< between two iterations
+  kSolving,    ///< before the first iteration and between two
   kBeforeSnapshot,
   kSnapshotWritten,
 };
