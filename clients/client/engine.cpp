@@ -47,7 +47,7 @@ Client::Engine::Engine(const ClientOptions& options, std::optional<ClientSpools>
 Result<void> Client::Engine::start() {
   if (auto started = link_->start(*this); !started) return started;
   if (!spool_) return {};
-  tell_daemon(true);
+  tell_daemon();
   payloads_->start();
   worker_ = std::thread([this] { work(); });
   return {};
@@ -118,7 +118,7 @@ bool Client::Engine::has_work(Outgoing::Clock::time_point now) const {
   if (!daemon_) return false;
   if ((!damaged_ && outgoing_.next(last_spooled_)) || released_ < daemon_->highest_decided)
     return true;
-  if (now >= told_daemon_ + (news_for_daemon_ ? kTellDaemon : kHeartbeat)) return true;
+  if (now >= next_telling()) return true;
   const auto retry = outgoing_.next_retry();
   return retry && *retry <= now;
 }
@@ -129,7 +129,7 @@ void Client::Engine::wait_for_work(Lock& lock) {
       work_.wait(lock);
       continue;
     }
-    const auto tell = told_daemon_ + (news_for_daemon_ ? kTellDaemon : kHeartbeat);
+    const auto tell = next_telling();
     work_.wait_until(lock, std::min(outgoing_.next_retry().value_or(tell), tell));
   }
 }
@@ -142,9 +142,9 @@ void Client::Engine::work() {
     if (stopping_ && taken_.empty()) return remember_promise(lock);
     if (!daemon_) continue;
     // Before transactions: what we were promised may tell the daemon that its store lost its end.
-    if (news_for_daemon_ || Outgoing::Clock::now() >= told_daemon_ + kHeartbeat) {
+    if (Outgoing::Clock::now() >= next_telling()) {
       lock.unlock();
-      tell_daemon(false);
+      tell_daemon();
       lock.lock();
       remember_promise(lock);
     }
@@ -228,13 +228,15 @@ void Client::Engine::remember_promise(Lock& lock) {
   lock.lock();
 }
 
-void Client::Engine::tell_daemon(bool now) {
+Outgoing::Clock::time_point Client::Engine::next_telling() const {
+  return told_daemon_ + (news_for_daemon_ ? kTellDaemon : kHeartbeat);
+}
+
+void Client::Engine::tell_daemon() {
   ClientState state{.source = identity_.source, .epoch = identity_.epoch, .robot = options_.robot};
   {
     const std::lock_guard lock(mutex_);
-    const auto time = Outgoing::Clock::now();
-    if (!now && time < told_daemon_ + kTellDaemon) return;
-    told_daemon_ = time;
+    told_daemon_ = Outgoing::Clock::now();
     news_for_daemon_ = false;
     state.highest_decided = promise_.sequence;
     state.receipted = promise_.revision;

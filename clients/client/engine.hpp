@@ -100,7 +100,8 @@ class Client::Engine final : public LinkListener {
   void send_next(Lock& lock);
   void send_due();
   void remember_promise(Lock& lock);
-  void tell_daemon(bool now);
+  [[nodiscard]] Outgoing::Clock::time_point next_telling() const;  // under mutex_
+  void tell_daemon();
   void tell(Error error);
   void tell_refusal(const Receipt& receipt);
 
