@@ -6,9 +6,10 @@
 
 #include "cairn/history/apply_record.hpp"
 #include "cairn/history/order.hpp"
+#include "cairn/linear/platform.hpp"
 #include "cairn/replay/estimate.hpp"
 #include "cairn/replay/estimate_snapshot.hpp"
-#include "cairn/replay/settle.hpp"
+#include "cairn/replay/solve_map.hpp"
 
 namespace cairn {
 namespace {
@@ -17,6 +18,13 @@ constexpr double kTolerance = 1e-9;  // relative, where bits cannot be compared
 
 Error differs(std::uint64_t number, const std::string& what) {
   return {ErrorCode::kBadInput, what, "record " + std::to_string(number)};
+}
+
+// Made by a method that is not known here, or where numbers round in another way.
+bool rounds_otherwise(const SolveRecord& record) {
+  const SolveSettings made = SolveSettings::parse(record.settings);
+  const std::optional<SolveKind> kind = made.kind();
+  return !kind || made != SolveSettings::here(*kind);
 }
 
 // Relative to the larger number, or to one meter or radian.
@@ -152,9 +160,7 @@ Result<void> Reexecution::execute(const SolveRecord& record, const Record& whole
   if (Result<void> applied = apply_record(whole, journal_.head().revision.store, head_); !applied)
     return applied;
   // Poses that came during the solve were composed onto it, which rounds like the solve.
-  if (SolveSettings::parse(record.settings) != SolveSettings::here() ||
-      hash_estimates(head_.graph()) == record.estimates_hash)
-    return {};
+  if (rounds_otherwise(record) || hash_estimates(head_.graph()) == record.estimates_hash) return {};
   return differs(whole.number, "the estimates after this solve do not have the hash it records");
 }
 
@@ -182,15 +188,16 @@ Result<void> Reexecution::solve_again(const SolveRecord& record, std::uint64_t n
   if (base == bases_.end())
     return differs(number,
                    "it solved record " + std::to_string(record.base) + ", which comes later");
-  if (SolveSettings::parse(record.settings).method != SolveSettings::here().method) {
+  const std::optional<SolveKind> kind = SolveSettings::parse(record.settings).kind();
+  if (!kind) {
     ++result_.solves_skipped;
     return {};
   }
-  const SettledEstimate settled = settle(base->second);
+  const MapSolution solution = solve_map(base->second);
   if (--uses_of_base_[record.base] == 0) bases_.erase(base);
-  if (!settled.summary.usable()) return differs(number, "solved again, it does not converge");
+  if (!solution.usable()) return differs(number, "solved again, it does not converge");
   PoseGraph again = head_.graph();
-  for (const auto& [node, estimate] : changed_estimates(head_.graph(), settled))
+  for (const auto& [node, estimate] : kept_changes(head_.graph(), solution, *kind))
     again.estimates.edit(node) = estimate;
   PoseGraph recorded = head_.graph();
   for (const ChangedEstimate& changed : record.changed) {
@@ -215,8 +222,7 @@ Result<void> Reexecution::judge(const SolveRecord& record, const PoseGraph& agai
     largest = apart;
     worst = i;
   }
-  const SolveSettings here = SolveSettings::here();
-  if (SolveSettings::parse(record.settings) != here && largest <= kTolerance) {
+  if (rounds_otherwise(record) && largest <= kTolerance) {
     ++result_.solves_compared;
     result_.largest_difference = std::max(result_.largest_difference, largest);
     if (!result_.other_settings) result_.other_settings = record.settings;
@@ -226,7 +232,7 @@ Result<void> Reexecution::judge(const SolveRecord& record, const PoseGraph& agai
   std::snprintf(apart, sizeof apart, "%.3g", largest);
   return differs(number, "solved again, " + to_string(again.nodes[worst].id) + " differs by " +
                              apart + " (relative); recorded with \"" + record.settings +
-                             "\", here is \"" + here.to_string() + '"');
+                             "\", here is \"" + describe_platform() + '"');
 }
 
 }  // namespace cairn

@@ -75,6 +75,8 @@ Result<void> Service::rebuild() {
       replay_journal(journal_, head_, sequencer_, [this] { pass(ServicePoint::kReplayingRecord); });
   if (!replayed) return replayed.error();
   chi2_ = replayed->chi2;
+  settled_ = chi2_.has_value();
+  news_at_ = solving_from_ = 0;
   snapshot_at_ = replayed->snapshot;
   return {};
 }
@@ -125,7 +127,7 @@ void Service::run() {
     publish_estimate_when_due();
     end_refill();
     publish_state();
-    solve_when_idle();
+    solve_when_due();
   }
 }
 
@@ -196,6 +198,7 @@ void Service::commit(Sequencer::Outcome outcome) {
     for (Decision& decision : outcome.decisions) {
       ++revision.number;
       receipts.push_back({decision.transaction.key, revision, decision.refusal, decision.reason});
+      note_news(decision.transaction, revision.number);
       for (const NewFactor& factor : decision.transaction.factors)
         for (const ContentHash& hash : factor.payloads)
           named.emplace_back(decision.transaction.key, hash);
@@ -244,111 +247,6 @@ void Service::publish_estimate() {
   publisher_.publish(head_.graph());
   published_at_ = std::chrono::steady_clock::now();
   estimate_changed_ = false;
-}
-
-// A solve's own record comes right after what it has seen.
-bool Service::needs_solve() const {
-  const PoseGraph& map = head_.graph();
-  if (map.factors.size() == 0) return false;
-  return !chi2_ || refill_.active() || map.solved_revision.number + 1 < map.graph_revision.number;
-}
-
-void Service::solve_when_idle() {
-  const bool idle = std::chrono::steady_clock::now() - last_input_ >= options_.solve_after_pause;
-  if (disk_ == DiskSpace::kFull) return refuse_to_solve();
-  if (solver_works_ || solving_ || refill_.active()) return;
-  // What could not be solved is tried again when something has changed, or when somebody asks.
-  const bool hopeless = unsolvable_ == head_.graph().graph_revision;
-  if (needs_solve() && ((idle && !hopeless) || !awaiting_solution_.empty()))
-    start_solve();
-  else if (idle)
-    write_snapshot_when_due();
-}
-
-// The result could not be kept.
-void Service::refuse_to_solve() {
-  for (const Command& command : std::exchange(awaiting_solution_, {}))
-    transport_.reply({command.key, ErrorCode::kNotUsable,
-                      "storage full: under 2 % of the daemon's disk is free; make room there"});
-}
-
-void Service::start_solve() {
-  solving_ = true;
-  on_solver_thread([this, base = head_.graph()] {
-    const auto keep_going = [this] {
-      pass(ServicePoint::kSolving);
-      return !abandon_solve_;
-    };
-    pass(ServicePoint::kSolving);  // a start that is the solution has no iterations
-    post(std::make_unique<Solved>(Solved{base, settle(base, keep_going)}));
-  });
-}
-
-// The work before has ended.
-void Service::on_solver_thread(std::function<void()> work) {
-  if (solver_.joinable()) solver_.join();
-  solver_works_ = true;
-  solver_ = std::thread([this, work = std::move(work)] {
-    work();
-    {
-      const std::lock_guard lock(mutex_);
-      solver_works_ = false;
-    }
-    wake_.notify_all();
-  });
-}
-
-// What a start need not take from the solves before. Written by the solver's thread: nobody waits.
-void Service::write_snapshot_when_due() {
-  const bool due = head_.graph().graph_revision.number >= snapshot_at_ + options_.snapshot_every;
-  if (!chi2_ || needs_solve() || !due) return;
-  snapshot_at_ = head_.graph().graph_revision.number;
-  on_solver_thread([this, map = head_.graph(), chi2 = *chi2_] { write_snapshot(map, chi2); });
-}
-
-void Service::write_snapshot(const PoseGraph& map, double chi2) {
-  pass(ServicePoint::kBeforeSnapshot);
-  const auto written =
-      journal_.write_snapshot(map.graph_revision.number, encode_snapshot(map, chi2));
-  pass(ServicePoint::kSnapshotWritten);
-  if (!written) announce(Severity::kWarning, "snapshot_failed", written.error().to_string());
-}
-
-void Service::take_solution(const Solved& solved) {
-  solving_ = false;
-  const SolveSummary& summary = solved.settled.summary;
-  if (!summary.usable()) {
-    if (summary.stop_reason == StopReason::kInterrupted) return;
-    unsolvable_ = solved.base.graph_revision;
-    announce(Severity::kError, "solve_failed",
-             "the last good estimate stays: " + std::string(to_string(summary.stop_reason)),
-             solved.base.graph_revision);
-    for (const Command& command : std::exchange(awaiting_solution_, {}))
-      transport_.reply({command.key, ErrorCode::kNotUsable, unsettled_text(summary)});
-    return;
-  }
-  const auto changed = changed_estimates(head_.graph(), solved.settled);
-  const Revision base = solved.base.graph_revision;
-  if (!changed.empty() || head_.graph().solved_revision.number + 1 < base.number) {
-    if (!commit_solution(base, changed)) return;
-  }
-  chi2_ = summary.final_chi2;
-  publish_estimate();
-  state_changed_ = true;
-  for (const Command& command : std::exchange(awaiting_solution_, {})) carry_out(command);
-}
-
-bool Service::commit_solution(const Revision& base,
-                              const std::vector<std::pair<NodeIndex, Estimate>>& changed) {
-  Revision next = journal_.head().revision;
-  ++next.number;
-  const std::vector<RecordBody> records{apply_solve(head_, base, changed, next)};
-  pass(ServicePoint::kBeforeCommit);
-  const Result<Revision> appended = journal_.append(records);
-  pass(ServicePoint::kCommitted);
-  if (appended) return true;
-  fall_back(appended.error());
-  return false;
 }
 
 }  // namespace cairn

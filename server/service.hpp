@@ -15,7 +15,7 @@
 #include <variant>
 
 #include "cairn/journal/journal.hpp"
-#include "cairn/replay/settle.hpp"
+#include "cairn/history/solve_record.hpp"
 #include "server/commands.hpp"
 #include "server/estimate_publisher.hpp"
 #include "server/payload_store.hpp"
@@ -37,7 +37,7 @@ enum class ServicePoint {
 };
 
 struct ServiceOptions {
-  /// A solve starts when nothing has come for so long.
+  /// The map is settled when nothing has come for so long. Loops and other news are solved at once.
   std::chrono::milliseconds solve_after_pause{200};
   /// Poses that came are published together, at most so often.
   std::chrono::milliseconds publish_every{10};
@@ -58,8 +58,8 @@ struct ServiceOptions {
 };
 
 /// The daemon without its process: takes transactions from a transport, makes them durable, answers
-/// them, solves when input pauses, and publishes estimates. One thread decides and writes, one
-/// solves on snapshots; nobody waits for the solver.
+/// them, solves when a loop closes and when input pauses, and publishes estimates. One thread
+/// decides and writes, one solves on snapshots at a lower priority; nobody waits for the solver.
 class Service final : private TransportListener {
  public:
   /// Both must outlive the service.
@@ -99,8 +99,9 @@ class Service final : private TransportListener {
     Writers::Spool spool;  ///< was answered without a look at what it said
   };
   struct Solved {
-    PoseGraph base;
-    SettledEstimate settled;
+    SolveKind kind;
+    Revision base;
+    MapSolution solution;
   };
   using Message =
       std::variant<Arrived, Seen, Lost, Brought, Heard, Command, std::unique_ptr<Solved>>;
@@ -138,15 +139,17 @@ class Service final : private TransportListener {
   void let_strangers_go(const std::vector<Writers::Spool>& spools);
   void greet(const ClientState& client);
   void take_solution(const Solved& solved);
-  bool commit_solution(const Revision& base,
+  void tell_trouble(const MapSolution& solution);
+  bool commit_solution(SolveKind kind, const Revision& base,
                        const std::vector<std::pair<NodeIndex, Estimate>>& changed);
   void carry_out(const Command& command);
   void obey(const Command& command, const Question& question);
   [[nodiscard]] bool needs_solve() const;
-  void solve_when_idle();
+  void note_news(const Transaction& transaction, std::uint64_t number);
+  void solve_when_due();
   void refuse_to_solve();
-  void start_solve();
-  void on_solver_thread(std::function<void()> work);
+  void start_solve(SolveKind kind);
+  void on_solver_thread(std::function<std::unique_ptr<Solved>()> work);
   void write_snapshot_when_due();
   void write_snapshot(const PoseGraph& map, double chi2);
   void announce(Severity severity, std::string kind, std::string text,
@@ -180,7 +183,11 @@ class Service final : private TransportListener {
   DiskSpace disk_ = DiskSpace::kPlenty;
   std::chrono::steady_clock::time_point disk_watched_{};
   std::optional<double> chi2_;          ///< of the last solve, where this process knows it
+  bool settled_ = false;                ///< the last solve was kept to the bit, and by this process
+  std::uint64_t news_at_ = 0;           ///< the last record that a solve is to follow at once
+  std::uint64_t solving_from_ = 0;      ///< the last record that a solve has seen, or now sees
   std::optional<Revision> unsolvable_;  ///< the map of which the last solve failed
+  std::set<NodeIndex> free_;            ///< nodes of which was told that they are free
   std::uint64_t snapshot_at_ = 0;       ///< the record that the newest snapshot is after
   PayloadStore payloads_{
       journal_, transport_, options_.payloads,

@@ -54,6 +54,7 @@ void Service::obey(const Command& command, const Question& question) {
     return fall_back(appended.error());
   }
   head_.apply(order->edits, *appended);
+  news_at_ = appended->number;
   state_changed_ = estimate_changed_ = true;
   const std::string done = count_changes(order->edits);
   announce(Severity::kInfo, "order", question.text("operator") + ": " + order->asked + ": " + done,

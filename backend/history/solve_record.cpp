@@ -4,16 +4,26 @@
 #include <cstdio>
 
 #include "cairn/linear/platform.hpp"
+#include "cairn/replay/settle.hpp"
 
 namespace cairn {
 namespace {
 
-constexpr char kMethod[] = "lm, multifrontal, portable, initialization auto";
+constexpr char kSettled[] = "lm, multifrontal, portable, initialization auto";
+constexpr char kLive[] = "lm, multifrontal, portable, initialization auto, changes over 1e-6";
 constexpr char kSeparator[] = "; ";
 
 }  // namespace
 
-SolveSettings SolveSettings::here() { return {kMethod, describe_platform()}; }
+SolveSettings SolveSettings::here(SolveKind kind) {
+  return {kind == SolveKind::kLive ? kLive : kSettled, describe_platform()};
+}
+
+std::optional<SolveKind> SolveSettings::kind() const {
+  if (method == kSettled) return SolveKind::kSettled;
+  if (method == kLive) return SolveKind::kLive;
+  return std::nullopt;
+}
 
 SolveSettings SolveSettings::parse(const std::string& text) {
   const std::size_t at = text.find(kSeparator);
@@ -31,12 +41,19 @@ ContentHash hash_estimates(const PoseGraph& map) {
   return content_hash(bytes);
 }
 
+std::vector<std::pair<NodeIndex, Estimate>> kept_changes(const PoseGraph& map,
+                                                         const MapSolution& solution,
+                                                         SolveKind kind) {
+  return changed_estimates(map, solution.estimates,
+                           kind == SolveKind::kLive ? kLiveTolerance : 0.0);
+}
+
 SolveRecord apply_solve(MapHead& head, const Revision& base,
                         const std::vector<std::pair<NodeIndex, Estimate>>& changed,
-                        const Revision& next) {
+                        const Revision& next, SolveKind kind) {
   SolveRecord record;
   record.base = base.number;
-  record.settings = SolveSettings::here().to_string();
+  record.settings = SolveSettings::here(kind).to_string();
   record.start = "as sent";
   for (const auto& [node, estimate] : changed) {
     const StoredNode& stored = head.graph().nodes[node];

@@ -46,6 +46,14 @@ class MapHead {
   /// Places in graph().factors of those that came with a record: from, and behind the last.
   [[nodiscard]] std::pair<std::size_t, std::size_t> factors_of(std::uint64_t record) const;
 
+  /// Numbers of the records that brought them.
+  [[nodiscard]] std::uint64_t record_of_node(NodeIndex node) const {
+    return arrivals_[node].number;
+  }
+  [[nodiscard]] std::uint64_t record_of_factor(std::size_t place) const {
+    return record_of_factor_[place];
+  }
+
   /// What would not be in the map had a record never come.
   struct Consequences {
     /// Later records that use nodes of it, directly or through each other; ascending.

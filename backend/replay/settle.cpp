@@ -2,6 +2,7 @@
 #include "cairn/replay/settle.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <map>
 #include <tuple>
 
@@ -109,6 +110,11 @@ std::vector<std::uint32_t> inverse(const std::vector<NodeIndex>& order, const Po
   return place;
 }
 
+bool differs(const Estimate& a, const Estimate& b, double tolerance) {
+  return !std::equal(a.begin(), a.end(), b.begin(),
+                     [&](double x, double y) { return std::abs(x - y) <= tolerance; });
+}
+
 }  // namespace
 
 CanonicalOrder::CanonicalOrder(const PoseGraph& map)
@@ -138,22 +144,38 @@ Graph canonical_graph(const PoseGraph& map, const CanonicalOrder& order) {
 }
 
 SettledEstimate settle(const PoseGraph& map, const std::function<bool()>& keep_going) {
-  CanonicalOrder order(map);
-  Graph graph = canonical_graph(map, order);
+  return settle(map, CanonicalOrder(map), keep_going);
+}
+
+SettledEstimate settle(const PoseGraph& map, CanonicalOrder part,
+                       const std::function<bool()>& keep_going) {
+  Graph graph = canonical_graph(map, part);
   SolveOptions options{.kernel = Kernel::kPortable, .init = InitMethod::kAuto};
   if (keep_going) options.on_iteration = [&](int, const IterationReport&) { return keep_going(); };
   SolveSummary summary = optimize(graph, options);
-  return {std::move(order), std::move(graph), std::move(summary)};
+  return {std::move(part), std::move(graph), std::move(summary)};
+}
+
+std::vector<std::pair<NodeIndex, Estimate>> estimates_of(const SettledEstimate& settled) {
+  std::vector<std::pair<NodeIndex, Estimate>> estimates;
+  estimates.reserve(settled.order.nodes.size());
+  for (std::uint32_t place = 0; place < settled.order.nodes.size(); ++place)
+    estimates.emplace_back(settled.order.nodes[place],
+                           to_estimate(describe_value(settled.graph, place)));
+  return estimates;
 }
 
 std::vector<std::pair<NodeIndex, Estimate>> changed_estimates(const PoseGraph& map,
                                                               const SettledEstimate& settled) {
+  return changed_estimates(map, estimates_of(settled), 0.0);
+}
+
+std::vector<std::pair<NodeIndex, Estimate>> changed_estimates(
+    const PoseGraph& map, const std::vector<std::pair<NodeIndex, Estimate>>& estimates,
+    double tolerance) {
   std::vector<std::pair<NodeIndex, Estimate>> changed;
-  for (std::uint32_t place = 0; place < settled.order.nodes.size(); ++place) {
-    const NodeIndex node = settled.order.nodes[place];
-    const Estimate estimate = to_estimate(describe_value(settled.graph, place));
-    if (estimate != map.estimates[node]) changed.emplace_back(node, estimate);
-  }
+  for (const auto& [node, estimate] : estimates)
+    if (differs(estimate, map.estimates[node], tolerance)) changed.emplace_back(node, estimate);
   return changed;
 }
 

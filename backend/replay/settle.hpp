@@ -17,6 +17,7 @@ struct CanonicalOrder {
   std::vector<NodeIndex> nodes;        ///< but those whose factors are all switched off
   std::vector<std::uint32_t> factors;  ///< places in PoseGraph::factors; committed ones only
 
+  CanonicalOrder() = default;
   explicit CanonicalOrder(const PoseGraph& map);
 };
 
@@ -35,9 +36,20 @@ struct SettledEstimate {
 /// kernel, one thread).
 /// `keep_going` is asked after each iteration; false leaves an unusable, interrupted result.
 SettledEstimate settle(const PoseGraph& map, const std::function<bool()>& keep_going = {});
+/// The same of a part of the map: whole components, in canonical order.
+SettledEstimate settle(const PoseGraph& map, CanonicalOrder part,
+                       const std::function<bool()>& keep_going);
 
-/// What a solve changed, by node.
+/// By node, in canonical order.
+std::vector<std::pair<NodeIndex, Estimate>> estimates_of(const SettledEstimate& settled);
+
+/// What a settled estimate changes in a map, by node.
 std::vector<std::pair<NodeIndex, Estimate>> changed_estimates(const PoseGraph& map,
                                                               const SettledEstimate& settled);
+/// Those of `estimates` that differ from the map's in any number by more than `tolerance` (m, rad,
+/// parts of a quaternion); 0: in any bit.
+std::vector<std::pair<NodeIndex, Estimate>> changed_estimates(
+    const PoseGraph& map, const std::vector<std::pair<NodeIndex, Estimate>>& estimates,
+    double tolerance);
 
 }  // namespace cairn

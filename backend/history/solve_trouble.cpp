@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "cairn/history/solve_trouble.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+namespace cairn {
+namespace {
+
+constexpr std::size_t kNamed = 3;  // of many nodes
+
+std::string name_record(std::uint64_t number, const Journal& journal) {
+  std::string name = "record " + std::to_string(number);
+  const Result<Record> record = journal.read(number);
+  if (!record) return name;
+  if (const auto* transaction = std::get_if<TransactionRecord>(&record->body)) {
+    const TransactionKey& key = transaction->key();
+    name += " (" + key.source + ", sequence " + std::to_string(key.sequence) + ')';
+  }
+  return name;
+}
+
+std::string and_others(std::size_t count) {
+  return count > kNamed ? " and " + std::to_string(count - kNamed) + " others" : "";
+}
+
+std::string describe_directions(const Eigen::MatrixXd& directions) {
+  std::string text =
+      std::to_string(directions.cols()) + (directions.cols() == 1 ? " direction" : " directions");
+  for (Eigen::Index c = 0; c < directions.cols(); ++c) {
+    text += c > 0 ? " and (" : ", (";
+    for (Eigen::Index r = 0; r < directions.rows(); ++r) {
+      char number[32];
+      const double part = directions(r, c);
+      std::snprintf(number, sizeof number, "%.3g", std::abs(part) < 1e-6 ? 0.0 : part);
+      text += (r > 0 ? " " : "") + std::string(number);
+    }
+    text += ')';
+  }
+  return text;
+}
+
+}  // namespace
+
+std::string describe(const UnsolvedPart& part, const MapHead& head, const Journal& journal) {
+  const PoseGraph& map = head.graph();
+  std::string text =
+      std::to_string(part.nodes.size()) + (part.nodes.size() == 1 ? " node" : " nodes") +
+      " cannot be solved (" + std::string(to_string(part.reason)) + ") and stay where they were: ";
+  for (std::size_t i = 0; i < std::min(part.nodes.size(), kNamed); ++i)
+    text += (i > 0 ? ", " : "") + to_string(map.nodes[part.nodes[i]].id);
+  text += and_others(part.nodes.size());
+  return text + "; the largest error is that of factor " +
+         std::to_string(map.factors[part.worst_factor].name.index) + " in " +
+         name_record(head.record_of_factor(part.worst_factor), journal) +
+         ": cairn undo takes it back";
+}
+
+std::string describe(const std::vector<FreeNode>& free, const MapHead& head,
+                     const Journal& journal) {
+  std::string text;
+  for (std::size_t i = 0; i < std::min(free.size(), kNamed); ++i) {
+    text += (i > 0 ? "; " : "") + to_string(head.graph().nodes[free[i].node].id) + " of " +
+            name_record(head.record_of_node(free[i].node), journal) + " is free in " +
+            describe_directions(free[i].directions);
+  }
+  return text + and_others(free.size()) + ": what no measurement determines stays where it was sent";
+}
+
+}  // namespace cairn

@@ -1,0 +1,88 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "cairn/replay/solve_map.hpp"
+
+#include <limits>
+#include <map>
+
+#include "cairn/core/disjoint_sets.hpp"
+#include "cairn/replay/settle.hpp"
+
+namespace cairn {
+namespace {
+
+// Connected components, in the canonical order of their first nodes.
+std::vector<CanonicalOrder> parts_of(const PoseGraph& map, const CanonicalOrder& all) {
+  DisjointSets sets(map.nodes.size());
+  for (const std::uint32_t f : all.factors)
+    for (const NodeIndex node : map.factors[f].nodes) sets.join(map.factors[f].nodes[0], node);
+  std::vector<CanonicalOrder> parts;
+  std::map<std::size_t, std::size_t> part_of_root;
+  for (const NodeIndex node : all.nodes) {
+    const auto [at, is_new] = part_of_root.emplace(sets.root(node), parts.size());
+    if (is_new) parts.emplace_back();
+    parts[at->second].nodes.push_back(node);
+  }
+  for (const std::uint32_t f : all.factors)
+    parts[part_of_root.at(sets.root(map.factors[f].nodes[0]))].factors.push_back(f);
+  return parts;
+}
+
+// Of a part that has factors. Errors that are not even numbers are the largest.
+std::uint32_t worst_factor(const PoseGraph& map, const CanonicalOrder& part) {
+  const Graph graph = canonical_graph(map, part);
+  std::uint32_t worst = part.factors.front();
+  double largest = -1.0;
+  for (std::size_t i = 0; i < part.factors.size(); ++i) {
+    const FactorRef factor = graph.factors()[i];
+    const double chi2 = graph.batches()[factor.batch]
+                            ->evaluate_cost(factor.index, factor.index + 1, {graph.values()})
+                            .chi2;
+    if (chi2 <= largest) continue;
+    largest = chi2;
+    worst = part.factors[i];
+    if (!(chi2 <= std::numeric_limits<double>::max())) break;
+  }
+  return worst;
+}
+
+void take(SettledEstimate&& settled, MapSolution& solution) {
+  const auto found = estimates_of(settled);
+  solution.estimates.insert(solution.estimates.end(), found.begin(), found.end());
+  solution.chi2 += settled.summary.final_chi2;
+  for (UnderConstrainedVariable& variable : settled.summary.under_constrained)
+    solution.free.push_back(
+        {settled.order.nodes[variable.id.value], std::move(variable.free_directions)});
+}
+
+}  // namespace
+
+MapSolution solve_map(const PoseGraph& map, const std::function<bool()>& keep_going) {
+  MapSolution solution;
+  SettledEstimate settled = settle(map, CanonicalOrder(map), keep_going);
+  solution.whole = settled.summary;
+  if (solution.whole.usable()) {
+    take(std::move(settled), solution);
+    return solution;
+  }
+  const auto interrupted = [](const SolveSummary& summary) {
+    return summary.stop_reason == StopReason::kInterrupted;
+  };
+  if (interrupted(solution.whole)) return solution;
+  for (CanonicalOrder& part : parts_of(map, settled.order)) {
+    SettledEstimate own = settle(map, std::move(part), keep_going);
+    if (interrupted(own.summary)) {
+      MapSolution nothing;
+      nothing.whole = std::move(own.summary);
+      return nothing;
+    }
+    if (own.summary.usable()) {
+      take(std::move(own), solution);
+    } else {
+      const std::uint32_t worst = worst_factor(map, own.order);
+      solution.unsolved.push_back({std::move(own.order.nodes), own.summary.stop_reason, worst});
+    }
+  }
+  return solution;
+}
+
+}  // namespace cairn

@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <functional>
+#include <utility>
+#include <vector>
+
+#include "cairn/graph/pose_graph.hpp"
+#include "cairn/solver/solve_summary.hpp"
+
+namespace cairn {
+
+/// Nodes that factors tie together and that could not be solved.
+struct UnsolvedPart {
+  std::vector<NodeIndex> nodes;
+  StopReason reason = StopReason::kNotFinite;
+  std::uint32_t worst_factor = 0;  ///< place in PoseGraph::factors: the largest error at the start
+};
+
+/// A node that the measurements leave free in some directions; it stays where it was sent.
+struct FreeNode {
+  NodeIndex node = 0;
+  Eigen::MatrixXd directions;  ///< as UnderConstrainedVariable
+};
+
+/// What a solve of a map found: a function of the set of its nodes and committed factors.
+struct MapSolution {
+  std::vector<std::pair<NodeIndex, Estimate>> estimates;  ///< but of what could not be solved
+  double chi2 = 0.0;                                      ///< of what could be
+  std::vector<UnsolvedPart> unsolved{};
+  std::vector<FreeNode> free{};
+  SolveSummary whole;  ///< of the first try, with everything in it
+
+  /// Something was solved.
+  [[nodiscard]] bool usable() const { return !estimates.empty(); }
+};
+
+/// settle(), and where that fails each connected component for itself: what is wrong with one robot
+/// does not hold up the others. `keep_going` as there; an interrupted solution has no estimates.
+MapSolution solve_map(const PoseGraph& map, const std::function<bool()>& keep_going = {});
+
+}  // namespace cairn

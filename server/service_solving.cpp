@@ -1,0 +1,159 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Solves beside the deciding thread, on snapshots of the map.
+#include <sys/resource.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <utility>
+
+#include "cairn/history/solve_trouble.hpp"
+#include "cairn/replay/estimate_snapshot.hpp"
+#include "server/service.hpp"
+
+namespace cairn {
+namespace {
+
+// Of the solver's thread: who takes transactions and answers goes first.
+constexpr int kNiceness = 10;
+
+// What odometry does not foresee: where it has led to may be wrong from now on.
+bool may_move_the_past(const Transaction& transaction) {
+  return !transaction.edits.empty() ||
+         std::any_of(transaction.factors.begin(), transaction.factors.end(),
+                     [](const NewFactor& f) { return f.kind != FactorKind::kOdometry; });
+}
+
+}  // namespace
+
+// A solve's own record comes right after what it has seen.
+bool Service::needs_solve() const {
+  const PoseGraph& map = head_.graph();
+  if (map.factors.size() == 0) return false;
+  return !settled_ || refill_.active() ||
+         map.solved_revision.number + 1 < map.graph_revision.number;
+}
+
+// Of the record that comes as `number`.
+void Service::note_news(const Transaction& transaction, std::uint64_t number) {
+  if (may_move_the_past(transaction)) news_at_ = number;
+}
+
+void Service::solve_when_due() {
+  const bool idle = std::chrono::steady_clock::now() - last_input_ >= options_.solve_after_pause;
+  if (disk_ == DiskSpace::kFull) return refuse_to_solve();
+  if (solver_works_ || solving_ || refill_.active()) return;
+  // What could not be solved is tried again when something has changed, or when somebody asks.
+  const bool hopeless = unsolvable_ == head_.graph().graph_revision;
+  if (needs_solve() && ((idle && !hopeless) || !awaiting_solution_.empty()))
+    start_solve(SolveKind::kSettled);
+  else if (news_at_ > solving_from_ && !hopeless)
+    start_solve(SolveKind::kLive);
+  else if (idle)
+    write_snapshot_when_due();
+}
+
+// The result could not be kept.
+void Service::refuse_to_solve() {
+  for (const Command& command : std::exchange(awaiting_solution_, {}))
+    transport_.reply({command.key, ErrorCode::kNotUsable,
+                      "storage full: under 2 % of the daemon's disk is free; make room there"});
+}
+
+void Service::start_solve(SolveKind kind) {
+  solving_ = true;
+  solving_from_ = head_.graph().graph_revision.number;
+  on_solver_thread([this, kind, base = head_.graph()] {
+    const auto keep_going = [this] {
+      pass(ServicePoint::kSolving);
+      return !abandon_solve_;
+    };
+    pass(ServicePoint::kSolving);  // a start that is the solution has no iterations
+    return std::make_unique<Solved>(Solved{kind, base.graph_revision, solve_map(base, keep_going)});
+  });
+}
+
+// The work before has ended.
+void Service::on_solver_thread(std::function<std::unique_ptr<Solved>()> work) {
+  if (solver_.joinable()) solver_.join();
+  solver_works_ = true;
+  solver_ = std::thread([this, work = std::move(work)] {
+    (void)setpriority(PRIO_PROCESS, static_cast<id_t>(gettid()), kNiceness);
+    std::unique_ptr<Solved> solved = work();
+    {
+      const std::lock_guard lock(mutex_);
+      solver_works_ = false;
+      if (solved) inbox_.push_back(std::move(solved));
+    }
+    wake_.notify_all();
+  });
+}
+
+// What a start need not take from the solves before. Written by the solver's thread: nobody waits.
+void Service::write_snapshot_when_due() {
+  const bool due = head_.graph().graph_revision.number >= snapshot_at_ + options_.snapshot_every;
+  if (!chi2_ || needs_solve() || !due) return;
+  snapshot_at_ = head_.graph().graph_revision.number;
+  on_solver_thread([this, map = head_.graph(), chi2 = *chi2_] {
+    write_snapshot(map, chi2);
+    return nullptr;
+  });
+}
+
+void Service::write_snapshot(const PoseGraph& map, double chi2) {
+  pass(ServicePoint::kBeforeSnapshot);
+  const auto written =
+      journal_.write_snapshot(map.graph_revision.number, encode_snapshot(map, chi2));
+  pass(ServicePoint::kSnapshotWritten);
+  if (!written) announce(Severity::kWarning, "snapshot_failed", written.error().to_string());
+}
+
+void Service::take_solution(const Solved& solved) {
+  solving_ = false;
+  const MapSolution& solution = solved.solution;
+  const SolveSummary& whole = solution.whole;
+  if (whole.stop_reason == StopReason::kInterrupted) return;
+  if (solution.usable()) {
+    const auto changed = kept_changes(head_.graph(), solution, solved.kind);
+    const Revision base = solved.base;
+    if (!changed.empty() || head_.graph().solved_revision.number + 1 < base.number) {
+      if (!commit_solution(solved.kind, base, changed)) return;
+    }
+    chi2_ = solution.chi2;
+    publish_estimate();
+    state_changed_ = true;
+  }
+  settled_ = whole.usable() && solved.kind == SolveKind::kSettled;
+  tell_trouble(solution);
+  if (!whole.usable()) {
+    unsolvable_ = head_.graph().graph_revision;
+    for (const Command& command : std::exchange(awaiting_solution_, {}))
+      transport_.reply({command.key, ErrorCode::kNotUsable, unsettled_text(whole)});
+    return;
+  }
+  for (const Command& command : std::exchange(awaiting_solution_, {})) carry_out(command);
+}
+
+void Service::tell_trouble(const MapSolution& solution) {
+  const Revision& at = head_.graph().graph_revision;
+  for (const UnsolvedPart& part : solution.unsolved)
+    announce(Severity::kError, "solve_failed", describe(part, head_, journal_), at);
+  std::set<NodeIndex> free;
+  for (const FreeNode& node : solution.free) free.insert(node.node);
+  if (free == std::exchange(free_, free) || free.empty()) return;
+  announce(Severity::kWarning, "under_constrained", describe(solution.free, head_, journal_), at);
+}
+
+bool Service::commit_solution(SolveKind kind, const Revision& base,
+                              const std::vector<std::pair<NodeIndex, Estimate>>& changed) {
+  Revision next = journal_.head().revision;
+  ++next.number;
+  const std::vector<RecordBody> records{apply_solve(head_, base, changed, next, kind)};
+  pass(ServicePoint::kBeforeCommit);
+  const Result<Revision> appended = journal_.append(records);
+  pass(ServicePoint::kCommitted);
+  if (appended) return true;
+  fall_back(appended.error());
+  return false;
+}
+
+}  // namespace cairn

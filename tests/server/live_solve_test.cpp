@@ -1,0 +1,137 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Solving while serving: what closes a loop is solved at once, and nobody waits for it.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <cmath>
+#include <mutex>
+#include <thread>
+
+#include "cairn/history/solve_record.hpp"
+#include "clients/client/client.hpp"
+#include "server/memory_transport.hpp"
+#include "server/reexecution.hpp"
+#include "server/service.hpp"
+#include "tests/server/drive.hpp"
+#include "tests/support/temporary_folder.hpp"
+
+namespace cairn {
+namespace {
+
+using namespace std::chrono_literals;
+
+class LiveSolve : public testing::Test {
+ protected:
+  // Input never pauses for so long that the map would be settled.
+  void start(ServiceOptions options = {}) {
+    options.solve_after_pause = 1h;
+    options.publish_every = 1ms;
+    service_.emplace(*journal_, *transport_, options);
+    ASSERT_TRUE(service_->start());
+    client_.emplace(*Client::connect(
+        {.source = "test", .robot = "robot", .spool = folder_.path() / "spool"},
+        [this](Link::Identity identity) { return network_.make_link(std::move(identity)); }));
+    client_->on_poses([this](const PoseUpdate& update) {
+      const std::lock_guard lock(mutex_);
+      for (const PoseChunk& chunk : update.chunks)
+        for (const auto& pose : chunk.poses) x_[pose.index] = pose.T_map_body[0];
+    });
+  }
+  Revision submit(const Transaction& step) {
+    const Result<Receipt> receipt = client_->submit(step, 10s);
+    EXPECT_TRUE(receipt) << receipt.error().to_string();
+    if (!receipt) return {};
+    EXPECT_FALSE(receipt->refusal) << receipt->reason;
+    return receipt->revision;
+  }
+  double x(std::uint64_t index) {
+    const std::lock_guard lock(mutex_);
+    return x_.at(index);
+  }
+  std::vector<SolveRecord> solves() const {
+    std::vector<SolveRecord> found;
+    EXPECT_TRUE(journal_->for_each(1, [&](const Record& record) -> Result<void> {
+      if (const auto* solve = std::get_if<SolveRecord>(&record.body)) found.push_back(*solve);
+      return {};
+    }));
+    return found;
+  }
+
+  test::TemporaryFolder folder_;
+  MemoryNetwork network_;
+  std::unique_ptr<Journal> journal_ = *Journal::open((folder_.path() / "data").string());
+  std::unique_ptr<Transport> transport_ = network_.make_transport();
+  std::optional<Service> service_;
+  std::mutex mutex_;
+  std::map<std::uint64_t, double> x_;
+  std::optional<Client> client_;
+};
+
+TEST_F(LiveSolve, FollowsALoopAtOnceAndOdometryNever) {
+  start();
+  Revision last;
+  for (const Transaction& step : test::drive(7)) last = submit(step);  // without a loop
+  ASSERT_TRUE(client_->wait_for(last, 10s));
+  EXPECT_TRUE(solves().empty());
+  const Revision loop = submit(test::drive_step(test::kLeader, 7));
+  ASSERT_TRUE(client_->wait_solved(loop, 10s));
+  const auto kept = solves();
+  ASSERT_EQ(kept.size(), 1u);
+  EXPECT_EQ(kept[0].base, loop.number);
+  EXPECT_EQ(SolveSettings::parse(kept[0].settings).kind(), SolveKind::kLive);
+
+  // What clients see is the optimum of this prefix.
+  MapHead head;
+  std::uint64_t number = 0;
+  for (const Transaction& step : test::drive(8)) head.apply(step, {1, 0, ++number});
+  for (const auto& [node, estimate] : changed_estimates(head.graph(), settle(head.graph())))
+    EXPECT_NEAR(x(head.graph().nodes[node].id.index), estimate[0], 2 * kLiveTolerance);
+}
+
+TEST_F(LiveSolve, KeepsNobodyWaiting) {
+  std::atomic<int> solving{0};
+  std::atomic<bool> go_on{false};
+  start({.on_point = [&](ServicePoint point) {
+    if (point != ServicePoint::kSolving) return;
+    ++solving;
+    while (!go_on) std::this_thread::sleep_for(1ms);
+  }});
+  const auto steps = test::drive(30);
+  Revision last;
+  for (std::size_t i = 0; i < 8; ++i) last = submit(steps[i]);
+  while (solving == 0) std::this_thread::sleep_for(1ms);
+  for (std::size_t i = 8; i < 30; ++i) last = submit(steps[i]);  // receipts come all the same
+  ASSERT_TRUE(client_->wait_for(last, 10s));                     // and poses
+  EXPECT_EQ(solving, 1);
+  EXPECT_NEAR(x(29), 29.0, 2.0);
+  EXPECT_TRUE(solves().empty());
+  go_on = true;
+  ASSERT_TRUE(client_->wait_solved(last, 10s));  // by the next solve, which follows at once
+  const auto kept = solves();
+  ASSERT_EQ(kept.size(), 2u);
+  EXPECT_EQ(kept[0].base, 8u);
+  EXPECT_EQ(kept[1].base, kept[0].base + 23);
+}
+
+TEST_F(LiveSolve, IsExecutedAgainBitForBitAndSettledWhenAsked) {
+  start();
+  const auto steps = test::drive(40);
+  Revision last;
+  for (const Transaction& step : steps) last = submit(step);
+  ASSERT_TRUE(client_->wait_solved(last, 10s));
+  const auto live = solves().size();
+  EXPECT_GT(live, 0u);
+  ASSERT_TRUE(client_->command("settle", 10s));
+  EXPECT_EQ(test::estimates(*journal_), test::settled_estimates(steps));
+  client_.reset();
+  service_.reset();
+  Reexecution again(*journal_);
+  const auto executed = again.run({});
+  ASSERT_TRUE(executed) << executed.error().to_string();
+  EXPECT_GE(executed->solves, live);
+  EXPECT_EQ(executed->solves_skipped, 0u);
+}
+
+}  // namespace
+}  // namespace cairn
