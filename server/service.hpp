@@ -14,8 +14,8 @@
 #include <thread>
 #include <variant>
 
-#include "cairn/journal/journal.hpp"
 #include "cairn/history/solve_record.hpp"
+#include "cairn/journal/journal.hpp"
 #include "server/commands.hpp"
 #include "server/estimate_publisher.hpp"
 #include "server/payload_store.hpp"

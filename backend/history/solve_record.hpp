@@ -15,7 +15,7 @@ namespace cairn {
 /// What is kept of a solve.
 enum class SolveKind {
   kSettled,  ///< every bit: the map is the settled estimate
-  kLive,     ///< while input goes on, changes over kLiveTolerance: the others would fill the journal
+  kLive,  ///< while input goes on, changes over kLiveTolerance: the others would fill the journal
 };
 constexpr double kLiveTolerance = 1e-6;  ///< m, rad, parts of a quaternion
 

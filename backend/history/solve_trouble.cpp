@@ -45,9 +45,9 @@ std::string describe_directions(const Eigen::MatrixXd& directions) {
 
 std::string describe(const UnsolvedPart& part, const MapHead& head, const Journal& journal) {
   const PoseGraph& map = head.graph();
-  std::string text =
-      std::to_string(part.nodes.size()) + (part.nodes.size() == 1 ? " node" : " nodes") +
-      " cannot be solved (" + std::string(to_string(part.reason)) + ") and stay where they were: ";
+  std::string text = std::to_string(part.nodes.size()) +
+                     (part.nodes.size() == 1 ? " node" : " nodes") + " cannot be solved (" +
+                     std::string(to_string(part.reason)) + ") and stay where they were: ";
   for (std::size_t i = 0; i < std::min(part.nodes.size(), kNamed); ++i)
     text += (i > 0 ? ", " : "") + to_string(map.nodes[part.nodes[i]].id);
   text += and_others(part.nodes.size());
@@ -65,7 +65,8 @@ std::string describe(const std::vector<FreeNode>& free, const MapHead& head,
             name_record(head.record_of_node(free[i].node), journal) + " is free in " +
             describe_directions(free[i].directions);
   }
-  return text + and_others(free.size()) + ": what no measurement determines stays where it was sent";
+  return text + and_others(free.size()) +
+         ": what no measurement determines stays where it was sent";
 }
 
 }  // namespace cairn
