@@ -127,6 +127,11 @@ const std::vector<Setting>& settings() {
       number("solve", "publish_every_ms",
              "poses that came are published together, at most so often", {0, 10'000},
              [](auto& c) -> auto& { return c.service.publish_every; }),
+      number("jumps", "tell_cm",
+             "a correction that moves a robot by more raises an event before it is published",
+             {1, 1'000'000}, [](auto& c) -> auto& { return c.service.jump_cm; }),
+      number("jumps", "tell_deg", "the same for its heading", {1, 180},
+             [](auto& c) -> auto& { return c.service.jump_deg; }),
       number(
           "journal", "snapshot_every",
           "estimates are stored after so many records, so that a start need not apply all solves",

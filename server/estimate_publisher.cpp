@@ -38,7 +38,8 @@ void EstimatePublisher::mark_moved(const PoseGraph& map) {
 }
 
 // A robot that composes its odometry onto T_map_odom is where its newest keyframe says.
-void EstimatePublisher::correct_odometry(const PoseGraph& map) {
+std::vector<Correction> EstimatePublisher::correct_odometry(const PoseGraph& map) {
+  std::vector<Correction> corrections;
   const EstimateRevisions revisions{map.graph_revision, map.solved_revision};
   for (auto& [frame, trajectory] : poses_) {
     const NodeIndex newest = trajectory.nodes.back().second;
@@ -57,8 +58,9 @@ void EstimatePublisher::correct_odometry(const PoseGraph& map) {
               : PoseDistance{};
     known = Correction{frame,         trajectory.map,     node.type,         T_map_odom,
                        node.stamp_ns, jump.translation_m, jump.rotation_rad, revisions};
-    transport_.publish(*known);
+    corrections.push_back(*known);
   }
+  return corrections;
 }
 
 OdometryFrame EstimatePublisher::root_of(const OdometryFrame& frame) {
@@ -132,11 +134,14 @@ void EstimatePublisher::publish(const PoseGraph& map) {
   mark_moved(map);
   add_new_nodes(map);
   name_maps(map);
+  const std::vector<Correction> corrections = correct_odometry(map);
+  for (const Correction& correction : corrections)
+    if (correction.jump_m > jumps_.m || correction.jump_rad > jumps_.rad) jumps_.tell(correction);
   const EstimateRevisions revisions{map.graph_revision, map.solved_revision};
   if (const auto landmarks = landmark_chunks(map); !landmarks.empty())
     transport_.publish_landmarks(revisions, landmarks);
   transport_.publish_poses(revisions, pose_chunks(map));
-  correct_odometry(map);
+  for (const Correction& correction : corrections) transport_.publish(correction);
   published_ = map.estimates;
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <functional>
 #include <map>
 #include <optional>
 #include <set>
@@ -17,7 +18,15 @@ namespace cairn {
 /// One thread.
 class EstimatePublisher {
  public:
-  explicit EstimatePublisher(Transport& transport) : transport_(transport) {}
+  /// Told of a correction that moves a robot by more than this, before anything of it is published.
+  struct Jumps {
+    double m;
+    double rad;
+    std::function<void(const Correction&)> tell;
+  };
+
+  EstimatePublisher(Transport& transport, Jumps jumps)
+      : transport_(transport), jumps_(std::move(jumps)) {}
 
   /// Publishes what differs from what was published last: new nodes, moved ones, frames that now
   /// share a map. Sends a round of poses even where nothing changed but the revision.
@@ -34,7 +43,7 @@ class EstimatePublisher {
 
   void add_new_nodes(const PoseGraph& map);
   void mark_moved(const PoseGraph& map);
-  void correct_odometry(const PoseGraph& map);
+  std::vector<Correction> correct_odometry(const PoseGraph& map);
   void name_maps(const PoseGraph& map);
   template <class Chunk, class Append>
   static std::vector<Chunk> take_changed(std::map<OdometryFrame, Trajectory>& all,
@@ -44,6 +53,7 @@ class EstimatePublisher {
   Trajectory& trajectory_of(const StoredNode& node);
 
   Transport& transport_;
+  Jumps jumps_;
   std::map<OdometryFrame, Trajectory> poses_, landmarks_;
   ChunkedVector<Estimate> published_;  ///< by node
   std::size_t factors_seen_ = 0;

@@ -19,7 +19,6 @@ Service::Service(Journal& journal, Transport& transport, ServiceOptions options)
       transport_(transport),
       options_(options),
       sequencer_(options.limits),
-      publisher_(transport),
       desk_(journal, transport) {}
 
 Service::~Service() { stop(); }

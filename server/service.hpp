@@ -8,6 +8,7 @@
 #include <functional>
 #include <memory>
 #include <mutex>
+#include <numbers>
 #include <optional>
 #include <set>
 #include <string>
@@ -39,6 +40,8 @@ enum class ServicePoint {
 struct ServiceOptions {
   /// The map is settled when nothing has come for so long. Loops and other news are solved at once.
   std::chrono::milliseconds solve_after_pause{200};
+  /// A correction that moves a robot further than this raises an event before it is published.
+  int jump_cm = 100, jump_deg = 10;
   /// Poses that came are published together, at most so often.
   std::chrono::milliseconds publish_every{10};
   /// Estimates are stored beside the journal after so many records, so that a start need not apply
@@ -140,6 +143,7 @@ class Service final : private TransportListener {
   void greet(const ClientState& client);
   void take_solution(const Solved& solved);
   void tell_trouble(const MapSolution& solution);
+  void tell_jump(const Correction& correction);
   bool commit_solution(SolveKind kind, const Revision& base,
                        const std::vector<std::pair<NodeIndex, Estimate>>& changed);
   void carry_out(const Command& command);
@@ -171,7 +175,10 @@ class Service final : private TransportListener {
   Writers writers_{[this](const Writers::Spool& spool) {
     return sequencer_.highest_decided(spool.first, spool.second);
   }};
-  EstimatePublisher publisher_;
+  EstimatePublisher publisher_{transport_,
+                               {.m = 0.01 * options_.jump_cm,
+                                .rad = options_.jump_deg * std::numbers::pi / 180.0,
+                                .tell = [this](const Correction& c) { tell_jump(c); }}};
   CommandDesk desk_;
   std::chrono::steady_clock::time_point last_input_{};
   std::vector<Command> awaiting_solution_;

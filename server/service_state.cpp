@@ -2,7 +2,9 @@
 // What the service says of itself and of its sources.
 #include <unistd.h>
 
+#include <cstdio>
 #include <fstream>
+#include <numbers>
 #include <utility>
 
 #include "cairn/core/wall_clock.hpp"
@@ -84,6 +86,17 @@ void Service::announce(Severity severity, std::string kind, std::string text,
   event.text = std::move(text);
   if (options_.on_event) options_.on_event(event);
   transport_.publish(event);
+}
+
+// Whoever steers by the map should know before it moves.
+void Service::tell_jump(const Correction& correction) {
+  char how_far[64];
+  std::snprintf(how_far, sizeof how_far, "%.2f m and %.1f deg", correction.jump_m,
+                correction.jump_rad * 180.0 / std::numbers::pi);
+  announce(Severity::kWarning, "jump",
+           "the map moves under " + correction.frame.robot + ", whose newest keyframe goes by " +
+               how_far,
+           correction.revisions.graph);
 }
 
 void Service::publish_state() {

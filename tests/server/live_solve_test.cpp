@@ -114,6 +114,34 @@ TEST_F(LiveSolve, KeepsNobodyWaiting) {
   EXPECT_EQ(kept[1].base, kept[0].base + 23);
 }
 
+// A robot that believes to stand still while it drives.
+TEST_F(LiveSolve, TellsOfAJumpBeforeItHappens) {
+  std::vector<std::string> order;
+  std::mutex order_mutex;
+  const auto note = [&](std::string what) {
+    const std::lock_guard lock(order_mutex);
+    order.push_back(std::move(what));
+  };
+  start({.jump_cm = 50, .on_event = [&](const Event& event) {
+           if (event.kind == "jump") note(event.text);
+         }});
+  client_->on_corrections([&](const Correction& correction) {
+    if (correction.jump_m > 0.5) note("jump");
+  });
+  auto steps = test::drive(8);
+  for (Transaction& step : steps) step.variables[0].odometry = step.variables[0].start;
+  for (std::size_t i = 1; i < 8; ++i) steps[i].factors[0].numbers[0] = 0.0;
+  Revision last;
+  for (const Transaction& step : steps) last = submit(step);
+  ASSERT_TRUE(client_->wait_solved(last, 10s));
+  ASSERT_TRUE(client_->command("settle", 10s));
+  const std::lock_guard lock(order_mutex);
+  ASSERT_GE(order.size(), 2u);
+  EXPECT_THAT(order[0], testing::StartsWith("the map moves under robot, whose newest keyframe "
+                                            "goes by "));
+  EXPECT_EQ(order[1], "jump");
+}
+
 TEST_F(LiveSolve, IsExecutedAgainBitForBitAndSettledWhenAsked) {
   start();
   const auto steps = test::drive(40);
