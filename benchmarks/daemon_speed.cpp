@@ -2,7 +2,6 @@
 // How fast does the real daemon take transactions over DDS on loopback? Four sources, counted at
 // the clients on receipts. Usage: bench_daemon_speed [--seconds N] [--rate PER_SECOND]; the data
 // folder is made in DAEMON_FOLDER (default: here).
-#include <fcntl.h>
 #include <signal.h>
 #include <unistd.h>
 
@@ -24,6 +23,7 @@
 #include <thread>
 #include <vector>
 
+#include "benchmarks/support/daemon_run.hpp"
 #include "cairn/core/stopwatch.hpp"
 #include "cairn/graph/pose_graph.hpp"
 #include "clients/client/client.hpp"
@@ -34,29 +34,12 @@ namespace {
 
 namespace fs = std::filesystem;
 using namespace cairn;
+using bench::fdatasync_p50_ms;
+using bench::percentile_ms;
 using namespace std::chrono_literals;
 using Clock = std::chrono::steady_clock;
 
 constexpr int kSources = 4;
-
-double percentile_ms(std::vector<double>& seconds, double part) {
-  if (seconds.empty()) return NAN;
-  std::sort(seconds.begin(), seconds.end());
-  return 1e3 * seconds[static_cast<std::size_t>(part * static_cast<double>(seconds.size() - 1))];
-}
-
-double fdatasync_p50_ms(const fs::path& folder) {
-  const std::string block(600, 'x'), name = folder / "fdatasync";
-  const int file = open(name.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600);
-  std::vector<double> seconds;
-  for (int i = 0; i < 500; ++i) {
-    const Stopwatch watch;
-    if (write(file, block.data(), block.size()) < 0 || fdatasync(file) < 0) break;
-    seconds.push_back(watch.seconds());
-  }
-  close(file);
-  return percentile_ms(seconds, 0.5);
-}
 
 // A keyframe every metre, tied to the one before.
 Transaction keyframe(const std::string& robot, std::uint64_t i) {
@@ -265,10 +248,7 @@ std::uint64_t variables_when_serving(std::uint32_t domain) {
 }
 
 int run(double seconds, double rate) {
-  const char* given = std::getenv("DAEMON_FOLDER");
-  const fs::path folder = fs::path(given ? given : ".") / "daemon-benchmark";
-  fs::remove_all(folder);
-  fs::create_directories(folder);
+  const fs::path folder = bench::fresh_folder("daemon-benchmark");
   const double sync_ms = fdatasync_p50_ms(folder);
   const std::uint32_t domain = test::own_domain();
   test::Process daemon(daemon_command(folder, domain));
