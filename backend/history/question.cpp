@@ -17,6 +17,7 @@ constexpr std::array kVerbs{Verb{"log", answer_log},
                             Verb{"show", answer_show},
                             Verb{"diff", answer_diff},
                             Verb{"edge show", answer_edge_show},
+                            Verb{"edge worst", answer_edge_worst},
                             Verb{"export graph", answer_export_graph},
                             Verb{"export trajectory", answer_export_trajectory}};
 
@@ -42,6 +43,17 @@ Result<void> Question::check_options(std::initializer_list<const char*> known) c
     if (std::find(known.begin(), known.end(), option) == known.end())
       return Error{ErrorCode::kUsage, verb + " has no option '" + option +
                                           "'; do client and daemon have the same version?"};
+  }
+  return {};
+}
+
+Result<void> Question::check_text() const {
+  for (const auto& [option, value] : options.items()) {
+    try {
+      (void)value.dump();
+    } catch (const nlohmann::json::type_error&) {
+      return Error{ErrorCode::kUsage, "--" + option + " is not UTF-8; write it in UTF-8"};
+    }
   }
   return {};
 }

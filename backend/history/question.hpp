@@ -16,7 +16,10 @@ struct Question {
 
   /// kUsage where the text is none.
   static Result<Question> parse(const std::string& text);
+  /// check_text() must have passed.
   [[nodiscard]] std::string to_string() const { return verb + ' ' + options.dump(); }
+  /// What people typed must be UTF-8 to travel as JSON.
+  [[nodiscard]] Result<void> check_text() const;
 
   /// An error names options that are not `known`.
   [[nodiscard]] Result<void> check_options(std::initializer_list<const char*> known) const;
@@ -40,6 +43,7 @@ Result<std::string> answer_log(const Question& question, const Asked& asked);
 Result<std::string> answer_show(const Question& question, const Asked& asked);
 Result<std::string> answer_diff(const Question& question, const Asked& asked);
 Result<std::string> answer_edge_show(const Question& question, const Asked& asked);
+Result<std::string> answer_edge_worst(const Question& question, const Asked& asked);
 
 /// JSON on several lines, whatever bytes its texts hold.
 std::string dump(const nlohmann::ordered_json& json, int indent = 2);

@@ -22,7 +22,7 @@ namespace {
 struct OrderArguments {
   Target target;
   std::vector<std::string> factors;
-  std::uint64_t record = 0;
+  std::uint64_t record = 0, limit = 10;
   std::string operator_name, reason;
   bool cascade = false, json = false, quiet = false;
 };
@@ -37,6 +37,7 @@ std::string whoever_asks() {
 }
 
 Result<std::string> order_in_folder(const std::string& folder, const Question& question) {
+  if (const auto sound = question.check_text(); !sound) return sound.error();
   const Result<OpenFolder> open = open_for_writing(folder);
   if (!open) return open.error();
   const Result<Order> order = make_order(question, *open->journal, open->head);
@@ -91,9 +92,17 @@ Run add_edge(CLI::App& parent, CLI::App*& verb) {
   show->add_option("RECORD", a->record, "its number")->required()->default_str("");
   show->add_flag("--json", a->json, "print JSON");
   add_target(*show, a->target);
-  for (const char* change : {"disable", "enable", "remove"}) {
-    CLI::App* sub =
-        verb->add_subcommand(change, std::string("The daemon is to ") + change + " these factors");
+  CLI::App* worst = verb->add_subcommand(
+      "worst", "The factors that fit the map worst: where to look for a false loop");
+  worst->add_option("--limit", a->limit, "so many")->type_name("N");
+  worst->add_flag("--json", a->json, "print JSON");
+  add_target(*worst, a->target);
+  const std::pair<const char*, const char*> changes[] = {
+      {"disable", "Leave these factors out of estimates"},
+      {"enable", "Take these factors into estimates again"},
+      {"remove", "Leave these factors out of estimates for ever"}};
+  for (const auto& [change, meaning] : changes) {
+    CLI::App* sub = verb->add_subcommand(change, meaning);
     sub->add_option("FACTOR", a->factors, "RECORD:PLACE or RECORD")->required()->default_str("");
     add_who_and_why(*sub, *a);
   }
@@ -101,6 +110,9 @@ Run add_edge(CLI::App& parent, CLI::App*& verb) {
     const CLI::App* chosen = verb->get_subcommands().front();
     if (chosen->get_name() == "show")
       return ask_and_print(a->target, {"edge show", {{"record", a->record}, {"json", a->json}}},
+                           std::chrono::seconds(30));
+    if (chosen->get_name() == "worst")
+      return ask_and_print(a->target, {"edge worst", {{"limit", a->limit}, {"json", a->json}}},
                            std::chrono::seconds(30));
     return give(*a, {"edge " + chosen->get_name(), {{"factors", a->factors}}});
   };

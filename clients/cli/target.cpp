@@ -111,6 +111,7 @@ Result<OpenFolder> open_for_writing(const std::string& folder) {
 
 Result<std::string> ask(const Target& target, const Question& question,
                         std::chrono::seconds patience) {
+  if (const auto sound = question.check_text(); !sound) return sound.error();
   if (target.is_folder()) return ask_folder(target.folder, question);
   Result<Connection> connection = connect(target);
   if (!connection) return connection.error();

@@ -155,6 +155,18 @@ TEST_F(DataVerbs, EdgesAreSwitchedAndUndoneAndTheStoryIsKept) {
   EXPECT_THAT(lines[1], HasSubstr("25:1        committed    chi2 "));
   EXPECT_THAT(lines[1], HasSubstr("between_se2 (loop) robot/3/17 robot/3/24"));
 
+  const auto worst = lines_of(run({"edge", "worst", "--limit", "3"}).out);
+  ASSERT_EQ(worst.size(), 3u);
+  double before = INFINITY;
+  for (const std::string& line : worst) {
+    const double chi2 = std::stod(line.substr(line.find("chi2 ") + 5));
+    EXPECT_LE(chi2, before);
+    EXPECT_GT(chi2, 0.0);
+    before = chi2;
+    const std::string record = line.substr(0, line.find(':'));
+    EXPECT_THAT(run({"edge", "show", record}).out, HasSubstr(line));
+  }
+
   const auto switched =
       run({"edge", "disable", "25:1", "26:1", "--reason", "a mirror", "--operator", "anna"});
   ASSERT_EQ(switched.exit_code, 0) << switched.err;
@@ -174,6 +186,9 @@ TEST_F(DataVerbs, EdgesAreSwitchedAndUndoneAndTheStoryIsKept) {
   const auto verified = run({"verify"});
   EXPECT_EQ(verified.exit_code, 0) << verified.err << verified.out;
   EXPECT_EQ(run({"edge", "disable", "1:0"}).exit_code, 2);
+  const auto latin = run({"edge", "disable", "25:1", "--reason", "\xe4rger"});
+  EXPECT_EQ(latin.exit_code, 2);
+  EXPECT_THAT(latin.err, HasSubstr("--reason is not UTF-8"));
   EXPECT_EQ(run({"undo", "31"}).exit_code, 2) << "a solve";
   EXPECT_EQ(run_cairn({"edge"}).exit_code, 2);
 }

@@ -171,11 +171,11 @@ TEST_F(Hostile, RefusesForGoodWhatBreaksARuleAndKeepsTheMapAsItWas) {
 
 TEST_F(Hostile, DecidesWhatWaitsBehindAnUnreadableOne) {
   wire::Arena arena;
-  cairn_wire_Transaction second = wire::to_wire(transaction(1, 2), 99, arena);
-  raw_->send(second);
-  second = wire::to_wire(transaction(0, 1), 99, arena);
-  second.version = 7;
-  raw_->send(second);
+  const Transaction second = transaction(1, 2), first = transaction(0, 1);  // samples point to them
+  raw_->send(wire::to_wire(second, 99, arena));
+  cairn_wire_Transaction unreadable = wire::to_wire(first, 99, arena);
+  unreadable.version = 7;
+  raw_->send(unreadable);
   EXPECT_EQ(raw_->receipt(2)->refusal, RefusalCode::kUnknownVariable);
 }
 
