@@ -75,7 +75,7 @@ Result<void> Service::rebuild() {
   if (!replayed) return replayed.error();
   chi2_ = replayed->chi2;
   settled_ = chi2_.has_value();
-  news_at_ = solving_from_ = 0;
+  news_at_ = solving_from_ = unsolvable_ = 0;
   snapshot_at_ = replayed->snapshot;
   return {};
 }

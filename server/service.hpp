@@ -189,13 +189,13 @@ class Service final : private TransportListener {
   std::string damage_;  ///< that was found at the start
   DiskSpace disk_ = DiskSpace::kPlenty;
   std::chrono::steady_clock::time_point disk_watched_{};
-  std::optional<double> chi2_;          ///< of the last solve, where this process knows it
-  bool settled_ = false;                ///< the last solve was kept to the bit, and by this process
-  std::uint64_t news_at_ = 0;           ///< the last record that a solve is to follow at once
-  std::uint64_t solving_from_ = 0;      ///< the last record that a solve has seen, or now sees
-  std::optional<Revision> unsolvable_;  ///< the map of which the last solve failed
-  std::set<NodeIndex> free_;            ///< nodes of which was told that they are free
-  std::uint64_t snapshot_at_ = 0;       ///< the record that the newest snapshot is after
+  std::optional<double> chi2_;      ///< of the last solve, where this process knows it
+  bool settled_ = false;            ///< the last solve was kept to the bit, and by this process
+  std::uint64_t news_at_ = 0;       ///< the last record that a solve is to follow at once
+  std::uint64_t solving_from_ = 0;  ///< the last record that a solve has seen, or now sees
+  std::uint64_t unsolvable_ = 0;    ///< records of the map of which the last solve failed
+  std::set<NodeIndex> free_;        ///< nodes of which was told that they are free
+  std::uint64_t snapshot_at_ = 0;   ///< the record that the newest snapshot is after
   PayloadStore payloads_{
       journal_, transport_, options_.payloads,
       [this](Severity severity, const std::string& text) { announce(severity, "payloads", text); }};

@@ -43,10 +43,10 @@ void Service::solve_when_due() {
   if (disk_ == DiskSpace::kFull) return refuse_to_solve();
   if (solver_works_ || solving_ || refill_.active()) return;
   // What could not be solved is tried again when something has changed, or when somebody asks.
-  const bool hopeless = unsolvable_ == head_.graph().graph_revision;
+  const bool hopeless = unsolvable_ == head_.graph().graph_revision.number;
   if (needs_solve() && ((idle && !hopeless) || !awaiting_solution_.empty()))
     start_solve(SolveKind::kSettled);
-  else if (news_at_ > solving_from_ && !hopeless)
+  else if (news_at_ > solving_from_)
     start_solve(SolveKind::kLive);
   else if (idle)
     write_snapshot_when_due();
@@ -112,11 +112,12 @@ void Service::take_solution(const Solved& solved) {
   const MapSolution& solution = solved.solution;
   const SolveSummary& whole = solution.whole;
   if (whole.stop_reason == StopReason::kInterrupted) return;
+  std::uint64_t seen = solved.base.number;  // its own record, too
   if (solution.usable()) {
     const auto changed = kept_changes(head_.graph(), solution, solved.kind);
-    const Revision base = solved.base;
-    if (!changed.empty() || head_.graph().solved_revision.number + 1 < base.number) {
-      if (!commit_solution(solved.kind, base, changed)) return;
+    if (!changed.empty() || head_.graph().solved_revision.number + 1 < solved.base.number) {
+      if (!commit_solution(solved.kind, solved.base, changed)) return;
+      ++seen;
     }
     chi2_ = solution.chi2;
     publish_estimate();
@@ -125,7 +126,7 @@ void Service::take_solution(const Solved& solved) {
   settled_ = whole.usable() && solved.kind == SolveKind::kSettled;
   tell_trouble(solution);
   if (!whole.usable()) {
-    unsolvable_ = head_.graph().graph_revision;
+    unsolvable_ = seen;
     for (const Command& command : std::exchange(awaiting_solution_, {}))
       transport_.reply({command.key, ErrorCode::kNotUsable, unsettled_text(whole)});
     return;
