@@ -124,6 +124,10 @@ const std::vector<Setting>& settings() {
            64, [](auto& c) -> auto& { return c.network.interface; }),
       number("solve", "after_pause_ms", "a solve starts when nothing has come for so long",
              {1, 3'600'000}, [](auto& c) -> auto& { return c.service.solve_after_pause; }),
+      number("solve", "every_ms",
+             "what closes a loop is solved at once, but at most so often; each time the poses that "
+             "moved go into the journal",
+             {0, 3'600'000}, [](auto& c) -> auto& { return c.service.solve_every; }),
       number("solve", "publish_every_ms",
              "poses that came are published together, at most so often", {0, 10'000},
              [](auto& c) -> auto& { return c.service.publish_every; }),

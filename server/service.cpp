@@ -228,8 +228,9 @@ void Service::commit(Sequencer::Outcome outcome) {
 }
 
 std::chrono::nanoseconds Service::until_next_duty() const {
-  if (!estimate_changed_) return options_.solve_after_pause;
-  const auto due = published_at_ + options_.publish_every;
+  auto due = std::chrono::steady_clock::time_point::max();
+  if (estimate_changed_) due = published_at_ + options_.publish_every;
+  if (awaits_live_solve()) due = std::min(due, solve_began_ + options_.solve_every);
   return std::clamp<std::chrono::nanoseconds>(due - std::chrono::steady_clock::now(),
                                               std::chrono::nanoseconds(0),
                                               options_.solve_after_pause);

@@ -40,6 +40,8 @@ enum class ServicePoint {
 struct ServiceOptions {
   /// The map is settled when nothing has come for so long. Loops and other news are solved at once.
   std::chrono::milliseconds solve_after_pause{200};
+  /// But at most so often: each solve leaves a record of what it moved.
+  std::chrono::milliseconds solve_every{50};
   /// A correction that moves a robot further than this raises an event before it is published.
   int jump_cm = 100, jump_deg = 10;
   /// Poses that came are published together, at most so often.
@@ -151,6 +153,7 @@ class Service final : private TransportListener {
   [[nodiscard]] bool needs_solve() const;
   void note_news(const Transaction& transaction, std::uint64_t number);
   void solve_when_due();
+  [[nodiscard]] bool awaits_live_solve() const;
   void refuse_to_solve();
   void start_solve(SolveKind kind);
   void on_solver_thread(std::function<std::unique_ptr<Solved>()> work);
@@ -193,8 +196,10 @@ class Service final : private TransportListener {
   bool settled_ = false;            ///< the last solve was kept to the bit, and by this process
   std::uint64_t news_at_ = 0;       ///< the last record that a solve is to follow at once
   std::uint64_t solving_from_ = 0;  ///< the last record that a solve has seen, or now sees
+  std::chrono::steady_clock::time_point solve_began_{};
   std::uint64_t unsolvable_ = 0;    ///< records of the map of which the last solve failed
   std::set<NodeIndex> free_;        ///< nodes of which was told that they are free
+  std::set<std::uint32_t> broken_;  ///< factors of which was told that they cannot be solved
   std::uint64_t snapshot_at_ = 0;   ///< the record that the newest snapshot is after
   PayloadStore payloads_{
       journal_, transport_, options_.payloads,

@@ -38,15 +38,20 @@ void Service::note_news(const Transaction& transaction, std::uint64_t number) {
   if (may_move_the_past(transaction)) news_at_ = number;
 }
 
+bool Service::awaits_live_solve() const {
+  return news_at_ > solving_from_ && !solver_works_ && !solving_ && !refill_.active();
+}
+
 void Service::solve_when_due() {
-  const bool idle = std::chrono::steady_clock::now() - last_input_ >= options_.solve_after_pause;
+  const auto now = std::chrono::steady_clock::now();
+  const bool idle = now - last_input_ >= options_.solve_after_pause;
   if (disk_ == DiskSpace::kFull) return refuse_to_solve();
   if (solver_works_ || solving_ || refill_.active()) return;
   // What could not be solved is tried again when something has changed, or when somebody asks.
   const bool hopeless = unsolvable_ == head_.graph().graph_revision.number;
   if (needs_solve() && ((idle && !hopeless) || !awaiting_solution_.empty()))
     start_solve(SolveKind::kSettled);
-  else if (news_at_ > solving_from_)
+  else if (awaits_live_solve() && now >= solve_began_ + options_.solve_every)
     start_solve(SolveKind::kLive);
   else if (idle)
     write_snapshot_when_due();
@@ -62,6 +67,7 @@ void Service::refuse_to_solve() {
 void Service::start_solve(SolveKind kind) {
   solving_ = true;
   solving_from_ = head_.graph().graph_revision.number;
+  solve_began_ = std::chrono::steady_clock::now();
   on_solver_thread([this, kind, base = head_.graph()] {
     const auto keep_going = [this] {
       pass(ServicePoint::kSolving);
@@ -136,8 +142,13 @@ void Service::take_solution(const Solved& solved) {
 
 void Service::tell_trouble(const MapSolution& solution) {
   const Revision& at = head_.graph().graph_revision;
-  for (const UnsolvedPart& part : solution.unsolved)
-    announce(Severity::kError, "solve_failed", describe(part, head_, journal_), at);
+  std::set<std::uint32_t> broken;
+  for (const UnsolvedPart& part : solution.unsolved) {
+    broken.insert(part.worst_factor);
+    if (!broken_.contains(part.worst_factor) || !awaiting_solution_.empty())
+      announce(Severity::kError, "solve_failed", describe(part, head_, journal_), at);
+  }
+  broken_ = std::move(broken);
   std::set<NodeIndex> free;
   for (const FreeNode& node : solution.free) free.insert(node.node);
   if (free == std::exchange(free_, free) || free.empty()) return;
