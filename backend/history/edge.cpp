@@ -121,11 +121,7 @@ Result<std::string> answer_edge_worst(const Question& question, const Asked& ask
 Result<std::string> answer_edge_show(const Question& question, const Asked& asked) {
   if (const auto known = question.check_options({"record", "json"}); !known) return known.error();
   const std::uint64_t number = question.number("record", 0);
-  const std::uint64_t newest = asked.journal.head().revision.number;
-  if (number == 0 || number > newest)
-    return Error{ErrorCode::kUsage, "there is no record " + std::to_string(number) +
-                                        "; expected one of 1 to " + std::to_string(newest)};
-  const Result<Record> record = asked.journal.read(number);
+  const Result<Record> record = find_record(asked.journal, number);
   if (!record) return record.error();
   const TransactionKey* key = key_of(*record);
   const Result<PoseGraph> map = asked.map();

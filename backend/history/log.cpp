@@ -105,13 +105,7 @@ Result<std::string> answer_log(const Question& question, const Asked& asked) {
 
 Result<std::string> answer_show(const Question& question, const Asked& asked) {
   if (const auto known = question.check_options({"number", "json"}); !known) return known.error();
-  const std::uint64_t number = question.number("number", 0);
-  const std::uint64_t newest = asked.journal.head().revision.number;
-  if (number == 0 || number > newest) {
-    return Error{ErrorCode::kUsage, "there is no record " + std::to_string(number) +
-                                        "; expected one of 1 to " + std::to_string(newest)};
-  }
-  const Result<Record> record = asked.journal.read(number);
+  const Result<Record> record = find_record(asked.journal, question.number("number", 0));
   if (!record) return record.error();
   const Json json = to_json(*record);
   if (question.flag("json")) return dump(json) + '\n';

@@ -144,12 +144,8 @@ Result<std::vector<FactorEdit>> undo_order(std::uint64_t number, const Order& or
 Result<Order> order_undo(const Question& question, const Journal& journal, const MapHead& head) {
   if (auto known = question.check_options({"record", "cascade", "operator", "reason"}); !known)
     return known.error();
-  const std::uint64_t number = question.number("record", 0),
-                      newest = journal.head().revision.number;
-  if (number == 0 || number > newest)
-    return Error{ErrorCode::kUsage, "there is no record " + std::to_string(number) +
-                                        "; expected one of 1 to " + std::to_string(newest)};
-  const Result<Record> record = journal.read(number);
+  const std::uint64_t number = question.number("record", 0);
+  const Result<Record> record = find_record(journal, number);
   if (!record) return record.error();
   Result<std::vector<FactorEdit>> edits = Error{
       ErrorCode::kUsage, "record " + std::to_string(number) +

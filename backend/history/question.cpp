@@ -85,6 +85,13 @@ Result<std::string> answer(const Question& question, const Asked& asked) {
                    "'; known: status, settle, backup, edge disable|enable|remove, undo" + known};
 }
 
+Result<Record> find_record(const Journal& journal, std::uint64_t number) {
+  const std::uint64_t newest = journal.head().revision.number;
+  if (number > 0 && number <= newest) return journal.read(number);
+  return Error{ErrorCode::kUsage, "there is no record " + std::to_string(number) +
+                                      "; expected one of 1 to " + std::to_string(newest)};
+}
+
 std::string dump(const nlohmann::ordered_json& json, int indent) {
   return json.dump(indent, ' ', false, nlohmann::json::error_handler_t::replace);
 }

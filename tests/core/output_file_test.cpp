@@ -50,7 +50,7 @@ TEST(OutputFile, WritesDevicesInPlace) {
 }
 
 TEST(OutputFile, ReportsAFullDiskAsAMachineError) {
-  if (!std::filesystem::exists("/dev/full")) GTEST_SKIP();
+  if (!std::filesystem::exists("/dev/full")) GTEST_SKIP() << "there is no /dev/full here";
   const auto written = cairn::write_file("/dev/full", "x");
   ASSERT_FALSE(written);
   EXPECT_EQ(written.error().code, cairn::ErrorCode::kInternal);
