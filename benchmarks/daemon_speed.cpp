@@ -290,7 +290,8 @@ int run(double seconds, double rate) {
   std::this_thread::sleep_for(5s);  // it stores a snapshot
   const double before = cpu_seconds(daemon.id());
   std::this_thread::sleep_for(10s);
-  std::printf("idle: %.2f %% of one core\n", 10.0 * (cpu_seconds(daemon.id()) - before));
+  std::printf("idle: %.2f %% of one core, %.0f MB\n", 10.0 * (cpu_seconds(daemon.id()) - before),
+              resident_mb(daemon.id()));
   std::printf("late joiner: 10,000 poses %.0f ms after the first message\n",
               1e3 * late_joiner_seconds(domain, 10'000));
   for (const std::size_t poses : {10'000, 1'000'000})
