@@ -11,13 +11,13 @@ namespace {
 
 struct CodeInfo {
   CheckCode code;
-  Severity severity;
+  FindingSeverity severity;
   std::string_view title;
 };
 
-constexpr Severity kNote = Severity::kNote;
-constexpr Severity kWarning = Severity::kWarning;
-constexpr Severity kError = Severity::kError;
+constexpr FindingSeverity kNote = FindingSeverity::kNote;
+constexpr FindingSeverity kWarning = FindingSeverity::kWarning;
+constexpr FindingSeverity kError = FindingSeverity::kError;
 
 constexpr CodeInfo kCodes[] = {
     {CheckCode::kUnreadable, kError, "not readable as text"},
@@ -73,7 +73,7 @@ const CodeInfo& info_of(CheckCode code) {
 
 }  // namespace
 
-std::string_view to_string(Severity severity) {
+std::string_view to_string(FindingSeverity severity) {
   constexpr std::string_view kNames[] = {"note", "warning", "error"};
   return kNames[static_cast<std::size_t>(severity)];
 }
@@ -83,7 +83,7 @@ std::string to_string(CheckCode code) {
   return "CHK" + std::string(3 - digits.size(), '0') + digits;
 }
 
-Severity severity_of(CheckCode code) { return info_of(code).severity; }
+FindingSeverity severity_of(CheckCode code) { return info_of(code).severity; }
 std::string_view title_of(CheckCode code) { return info_of(code).title; }
 
 std::vector<CheckCode> all_check_codes() {
@@ -115,7 +115,7 @@ std::vector<Finding> Findings::sorted() const {
   return findings;
 }
 
-std::size_t Findings::count(Severity severity) const {
+std::size_t Findings::count(FindingSeverity severity) const {
   std::size_t sum = 0;
   for (const CodeInfo& info : kCodes) {
     if (info.severity == severity) sum += count(info.code);

@@ -10,8 +10,8 @@
 
 namespace cairn {
 
-enum class Severity : std::uint8_t { kNote, kWarning, kError };
-std::string_view to_string(Severity severity);  ///< "note", "warning", "error"
+enum class FindingSeverity : std::uint8_t { kNote, kWarning, kError };
+std::string_view to_string(FindingSeverity severity);  ///< "note", "warning", "error"
 
 /// What `cairn check` can find. The numbers are stable: scripts may rely on them
 /// (backend/diagnostics/README.md).
@@ -67,7 +67,7 @@ enum class CheckCode : std::uint16_t {
 /// "CHK012".
 std::string to_string(CheckCode code);
 /// The severity a code has without --strict.
-Severity severity_of(CheckCode code);
+FindingSeverity severity_of(CheckCode code);
 /// What the code is about, in a few words.
 std::string_view title_of(CheckCode code);
 /// All codes, in ascending order.
@@ -76,7 +76,7 @@ std::vector<CheckCode> all_check_codes();
 /// One finding. Line and column count from 1; 0 where the finding is about the whole file.
 struct Finding {
   CheckCode code;
-  Severity severity;
+  FindingSeverity severity;
   std::size_t line = 0;
   std::size_t column = 0;
   std::string message;  ///< what is there and what was expected
@@ -100,7 +100,7 @@ class Findings {
   [[nodiscard]] std::size_t count(CheckCode code) const {
     return counts_[static_cast<std::size_t>(code)];
   }
-  [[nodiscard]] std::size_t count(Severity severity) const;
+  [[nodiscard]] std::size_t count(FindingSeverity severity) const;
 
  private:
   std::size_t limit_;

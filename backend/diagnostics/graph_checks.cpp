@@ -182,7 +182,7 @@ void report_scales(const Graph& solved, const Marginals* marginals, Findings& fi
 void check_scale(const Graph& graph, Findings& findings) {
   constexpr std::size_t kLargest = 100000, kLargestForMarginals = 20000;
   const std::string skipped = "whether the information fits the residuals was not judged: ";
-  if (findings.count(Severity::kError) > 0) {
+  if (findings.count(FindingSeverity::kError) > 0) {
     findings.add(CheckCode::kNotAnalyzed, 0, 0, skipped + "the file has errors",
                  "repair them first");
     return;

@@ -37,14 +37,14 @@ LintReport make_report(const Findings& findings, std::optional<GraphFormat> form
   for (const CheckCode code : all_check_codes()) {
     if (findings.count(code) > 0) report.counts[code] = findings.count(code);
   }
-  report.errors = findings.count(Severity::kError);
-  report.warnings = findings.count(Severity::kWarning);
-  report.notes = findings.count(Severity::kNote);
+  report.errors = findings.count(FindingSeverity::kError);
+  report.warnings = findings.count(FindingSeverity::kWarning);
+  report.notes = findings.count(FindingSeverity::kNote);
   if (!strict) return report;
   report.errors += report.warnings;
   report.warnings = 0;
   for (Finding& finding : report.findings) {
-    if (finding.severity == Severity::kWarning) finding.severity = Severity::kError;
+    if (finding.severity == FindingSeverity::kWarning) finding.severity = FindingSeverity::kError;
   }
   return report;
 }

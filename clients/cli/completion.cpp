@@ -25,7 +25,7 @@ constexpr const char* kTail = R"(  esac
 complete -o default -F _cairn cairn
 )";
 
-std::string join(const std::vector<std::string>& words) {
+std::string with_spaces(const std::vector<std::string>& words) {
   std::string text;
   for (const std::string& word : words) text += (text.empty() ? "" : " ") + word;
   return text;
@@ -52,8 +52,8 @@ struct Tables {
                verb->get_name() + "\" ;;\n";
       add(*verb, path + " " + verb->get_name());
     }
-    verb_words += "    \"" + path + "\") [[ $word == -* ]] && words=\"" + join(options) +
-                  "\" || words=\"" + join(below) + "\" ;;\n";
+    verb_words += "    \"" + path + "\") [[ $word == -* ]] && words=\"" + with_spaces(options) +
+                  "\" || words=\"" + with_spaces(below) + "\" ;;\n";
   }
 
   void add_values(const CLI::Option& option, const std::vector<std::string>& names,
@@ -66,7 +66,7 @@ struct Tables {
     // Options with a free value complete file names, which is what bash does with no answer.
     option_words +=
         "    " + patterns + ") COMPREPLY=(" +
-        (choices.empty() ? "" : "$(compgen -W \"" + join(choices) + "\" -- \"$word\")") +
+        (choices.empty() ? "" : "$(compgen -W \"" + with_spaces(choices) + "\" -- \"$word\")") +
         "); return ;;\n";
   }
 };

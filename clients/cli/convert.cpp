@@ -19,7 +19,7 @@ struct ConvertArguments {
   bool strict = false, quiet = false;
 };
 
-constexpr const char* kFooter =
+constexpr const char* kConvertFooter =
     "IN may be '-' (standard input), compressed (.gz, .bz2), or a folder in the dlr layout; "
     "several "
     "are merged by id.\n"
@@ -62,7 +62,7 @@ int run_convert(const ConvertArguments& a) {
 Run add_convert(CLI::App& parent, CLI::App*& verb) {
   auto arguments = std::make_shared<ConvertArguments>();
   verb = parent.add_subcommand("convert", "Write a graph in another format");
-  verb->footer(kFooter);
+  verb->footer(kConvertFooter);
   verb->add_option("IN OUT", arguments->paths, "the graph files to read, then the one to write")
       ->required()
       ->default_str("")

@@ -113,7 +113,7 @@ void add_common(CLI::App& verb, ExportArguments& a) {
   verb.add_flag("-q,--quiet", a.quiet, "say nothing but warnings and errors");
 }
 
-constexpr const char* kCodes =
+constexpr const char* kExportCodes =
     "Exit codes: 0 done, 2 usage, 3 damaged, 4 the map cannot be settled (nothing is written), 5 "
     "no "
     "daemon answers.";
@@ -131,7 +131,7 @@ Run add_export(CLI::App& parent, CLI::App*& verb) {
                   "are unique; all others are numbered anew, and OUT.ids.csv says "
                   "`id,robot,epoch,index` of each.\n"
                   "OUT may be '-' (no ids then), .gz and .bz2 are compressed.\n") +
-      kCodes);
+      kExportCodes);
   graph->add_option("OUT", a->out, "the graph file")->required()->default_str("");
   add_common(*graph, *a);
   CLI::App* trajectory = verb->add_subcommand("trajectory", "Write the poses as TUM files");
@@ -139,7 +139,7 @@ Run add_export(CLI::App& parent, CLI::App*& verb) {
       std::string("`time x y z qx qy qz qw` of T_map_body (s, m). Time is the stamp, or the index "
                   "where a robot's poses have none.\n"
                   "Of several robots each gets a file of its own, OUT-ROBOT.tum.\n") +
-      kCodes);
+      kExportCodes);
   trajectory->add_option("OUT", a->out, "the TUM file")->required()->default_str("");
   trajectory->add_option("--robot", a->robot, "only this one")->type_name("NAME")->default_str("");
   add_common(*trajectory, *a);

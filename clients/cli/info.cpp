@@ -27,39 +27,39 @@ std::string text_of(const char* format, double a, double b, double c) {
   return text;
 }
 
-void print_line(const char* label, const std::string& value) {
+void print_fact(const char* label, const std::string& value) {
   std::printf("%-22s %s\n", label, value.c_str());
 }
 
 void print_counts(const char* label, const std::map<std::string, std::size_t>& counts) {
   for (const auto& [type, count] : counts) {
-    print_line(label, std::to_string(count) + " " + type);
+    print_fact(label, std::to_string(count) + " " + type);
     label = "";
   }
 }
 
 void print_text(const GraphDocument& document, const GraphFacts& facts) {
-  print_line("format", std::string(to_string(document.format)));
+  print_fact("format", std::string(to_string(document.format)));
   print_counts("vertices", facts.variables);
   if (facts.without_start > 0)
-    print_line("", std::to_string(facts.without_start) + " of them without a start value");
-  if (facts.fixed > 0) print_line("", std::to_string(facts.fixed) + " of them held fixed");
+    print_fact("", std::to_string(facts.without_start) + " of them without a start value");
+  if (facts.fixed > 0) print_fact("", std::to_string(facts.fixed) + " of them held fixed");
   print_counts("edges", facts.factors);
-  print_line("odometry, loops",
+  print_fact("odometry, loops",
              std::to_string(facts.odometry) + ", " + std::to_string(facts.loops));
-  print_line("components", std::to_string(facts.components) + ", " +
+  print_fact("components", std::to_string(facts.components) + ", " +
                                std::to_string(facts.components_without_gauge) +
                                " of them held by the smallest pose id");
-  print_line("degrees of freedom", std::to_string(facts.degrees_of_freedom));
-  print_line("x, y, z from",
+  print_fact("degrees of freedom", std::to_string(facts.degrees_of_freedom));
+  print_fact("x, y, z from",
              text_of("%.3f, %.3f, %.3f m", facts.lowest.x(), facts.lowest.y(), facts.lowest.z()));
-  print_line("x, y, z to", text_of("%.3f, %.3f, %.3f m", facts.highest.x(), facts.highest.y(),
+  print_fact("x, y, z to", text_of("%.3f, %.3f, %.3f m", facts.highest.x(), facts.highest.y(),
                                    facts.highest.z()));
-  print_line("path", text_of("%.3f m", facts.path_m, 0.0, 0.0));
-  print_line("chi2 as read",
+  print_fact("path", text_of("%.3f m", facts.path_m, 0.0, 0.0));
+  print_fact("chi2 as read",
              facts.chi2 ? text_of("%.10g", *facts.chi2, 0.0, 0.0) : "none: no vertices");
   if (!document.unknown_lines.empty()) {
-    print_line("unknown lines", std::to_string(document.unknown_lines.size()));
+    print_fact("unknown lines", std::to_string(document.unknown_lines.size()));
   }
 }
 

@@ -18,7 +18,7 @@ struct LogArguments {
   bool json = false;
 };
 
-constexpr const char* kFooter =
+constexpr const char* kLogFooter =
     "One line per record: number, time of arrival, kind, source/sequence, and what it did. The "
     "newest that fit are\n"
     "shown, oldest first. `cairn show R` tells everything about one.\n"
@@ -41,7 +41,7 @@ int run_log(const LogArguments& a) {
 Run add_log(CLI::App& parent, CLI::App*& verb) {
   auto a = std::make_shared<LogArguments>();
   verb = parent.add_subcommand("log", "List what the journal holds");
-  verb->footer(kFooter);
+  verb->footer(kLogFooter);
   add_target(*verb, a->target);
   verb->add_option("--from", a->from, "from this record on")->type_name("R");
   verb->add_option("--to", a->to, "up to this record")->type_name("R");

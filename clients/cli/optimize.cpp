@@ -28,7 +28,7 @@ const Choices<ErrorChart> kCharts{
     {"g2o", ErrorChart::kG2o}, {"log", ErrorChart::kLog}, {"gtsam", ErrorChart::kGtsam}};
 const Choices<bool> kLossTargets{{"all", false}, {"loops", true}};
 
-constexpr const char* kFooter =
+constexpr const char* kOptimizeFooter =
     "'-' stands for standard input or output; one output may be '-', the summary then goes to "
     "standard error.\n"
     "Formats are recognized by content; .gz and .bz2 are read as they are. Several inputs are "
@@ -97,7 +97,7 @@ Run add_optimize(CLI::App& parent, CLI::App*& verb) {
   add_input_options(*verb, *arguments);
   add_solver_options(*verb, *arguments);
   add_report_options(*verb, *arguments);
-  verb->footer(kFooter);
+  verb->footer(kOptimizeFooter);
   return [arguments] { return run_optimize(*arguments); };
 }
 

@@ -72,7 +72,7 @@ void add_who_and_why(CLI::App& verb, OrderArguments& a) {
   verb.add_flag("-q,--quiet", a.quiet, "say nothing but warnings and errors");
 }
 
-constexpr const char* kCodes =
+constexpr const char* kOrderCodes =
     "Exit codes: 0 done, 2 usage or no such factor, 3 damaged, 4 not possible any more, 5 no "
     "daemon "
     "answers.";
@@ -86,7 +86,7 @@ Run add_edge(CLI::App& parent, CLI::App*& verb) {
                            "`cairn log` lists records.\n"
                            "What was switched off takes no part in estimates; what was removed "
                            "never comes back.\n") +
-               kCodes);
+               kOrderCodes);
   verb->require_subcommand(1);
   CLI::App* show = verb->add_subcommand("show", "The factors of a record, as they stand now");
   show->add_option("RECORD", a->record, "its number")->required()->default_str("");
@@ -123,7 +123,7 @@ Run add_undo(CLI::App& parent, CLI::App*& verb) {
   verb = parent.add_subcommand("undo", "Take back a transaction or an operator's order");
   verb->footer(std::string("The map is as if the transaction had never come; the journal keeps "
                            "both. Undoing the undo brings it back.\n") +
-               kCodes);
+               kOrderCodes);
   verb->add_option("R", a->record, "the record's number; `cairn log` lists them")
       ->required()
       ->default_str("");

@@ -32,7 +32,7 @@ struct ReplayArguments {
   bool settle = false, quiet = false;
 };
 
-constexpr const char* kFooter =
+constexpr const char* kReplayFooter =
     "A graph file as a live robot: one transaction per pose, in the order of ids, through the same "
     "client that\n"
     "front-ends use. Several files are several robots at once, named after their files; a vertex "
@@ -178,7 +178,7 @@ int run_replay(const ReplayArguments& a) {
 Run add_replay(CLI::App& parent, CLI::App*& verb) {
   auto a = std::make_shared<ReplayArguments>();
   verb = parent.add_subcommand("replay", "Send graph files to a daemon, as live robots would");
-  verb->footer(kFooter);
+  verb->footer(kReplayFooter);
   verb->add_option("FILE", a->files, "graph files, one per robot")->required()->default_str("");
   verb->add_option("--domain", a->domain, "DDS domain of the daemon")->check(in_range(0, 230));
   add_network(*verb, a->network);

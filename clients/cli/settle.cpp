@@ -18,7 +18,7 @@ struct SettleArguments {
   bool quiet = false;
 };
 
-constexpr const char* kFooter =
+constexpr const char* kSettleFooter =
     "Solves the map in full: the result depends on what is in it and not on the order in which it "
     "came. With\n"
     "--data, the solve is appended to the journal, as a daemon would; where the newest record is "
@@ -56,7 +56,7 @@ Result<std::string> settle_daemon(const Target& target) {
 Run add_settle(CLI::App& parent, CLI::App*& verb) {
   auto a = std::make_shared<SettleArguments>();
   verb = parent.add_subcommand("settle", "Solve a daemon's map in full, and keep the result");
-  verb->footer(kFooter);
+  verb->footer(kSettleFooter);
   add_target(*verb, a->target);
   verb->add_flag("-q,--quiet", a->quiet, "say nothing but warnings and errors");
   return [a]() -> int {

@@ -24,7 +24,7 @@ struct StatusArguments {
   bool json = false;
 };
 
-constexpr const char* kFooter =
+constexpr const char* kStatusFooter =
     "The daemon, the map, and one line per source: its epoch, whether it is alive, the highest "
     "sequence of which\n"
     "everything is decided, how many transactions were accepted and refused (since the daemon "
@@ -171,7 +171,7 @@ Result<Json> status_of_daemon(const Target& target) {
 Run add_status(CLI::App& parent, CLI::App*& verb) {
   auto a = std::make_shared<StatusArguments>();
   verb = parent.add_subcommand("status", "Tell how a daemon is, and what its sources do");
-  verb->footer(kFooter);
+  verb->footer(kStatusFooter);
   add_target(*verb, a->target);
   verb->add_flag("--json", a->json, "print JSON");
   return [a]() -> int {

@@ -16,7 +16,7 @@ std::string format(const char* pattern, Arguments... arguments) {
   return text;
 }
 
-std::string join(const std::vector<std::string>& words) {
+std::string name_inputs(const std::vector<std::string>& words) {
   std::string text;
   for (const std::string& word : words)
     text += (text.empty() ? "" : " + ") + (word == "-" ? "standard input" : word);
@@ -53,7 +53,7 @@ const char* advice(StopReason reason) {
 }  // namespace
 
 std::string input_line(const OptimizeReport& report) {
-  std::string line = "input:         " + join(report.inputs);
+  std::string line = "input:         " + name_inputs(report.inputs);
   line += format(": %zu vertices, %zu edges, read in %.3f s", report.vertices, report.edges,
                  report.read_s);
   return report.input_chi2 ? line + format(", chi2 %.10g", *report.input_chi2)

@@ -22,7 +22,7 @@ struct VerifyArguments {
   bool json = false, quiet = false;
 };
 
-constexpr const char* kFooter =
+constexpr const char* kVerifyFooter =
     "Checks every block of the store and the chain of records, then executes the journal again: "
     "every decision\n"
     "is made anew, every solve is solved anew, and both must come out as recorded, bit for bit. "
@@ -154,7 +154,7 @@ int run_verify(const VerifyArguments& a) {
 Run add_verify(CLI::App& parent, CLI::App*& verb) {
   auto a = std::make_shared<VerifyArguments>();
   verb = parent.add_subcommand("verify", "Check a daemon's data folder by executing it again");
-  verb->footer(kFooter);
+  verb->footer(kVerifyFooter);
   verb->add_option("--data", a->folder, "the data folder")
       ->required()
       ->type_name("DIR")
