@@ -78,7 +78,10 @@ class DdsTransport final : public Transport {
   Result<void> start(TransportListener& listener) override;
   void stop() noexcept override;
 
-  void publish(const Receipt& receipt) override { write(&Endpoints::receipt, receipt); }
+  void publish_receipts(const std::vector<Receipt>& receipts) override {
+    for (const Receipt& receipt : receipts) hold(&Endpoints::receipt, receipt);
+    flush(&Endpoints::receipt);
+  }
   void publish(const SourceState& state) override { write(&Endpoints::source_state, state); }
   void forget(const std::string& source, std::uint64_t epoch) override;
   void publish(const PayloadReceipt& receipt) override {
@@ -87,14 +90,16 @@ class DdsTransport final : public Transport {
   void publish_poses(const EstimateRevisions& revisions,
                      const std::vector<PoseChunk>& chunks) override {
     const std::lock_guard lock(pose_rounds_);
-    for (const PoseChunk& chunk : chunks) write(&Endpoints::poses, chunk, revisions);
-    write_sample(&Endpoints::poses, wire::end_of_pose_round(revisions));
+    for (const PoseChunk& chunk : chunks) hold(&Endpoints::poses, chunk, revisions);
+    hold_sample(&Endpoints::poses, wire::end_of_pose_round(revisions));
+    flush(&Endpoints::poses);
   }
   void publish_landmarks(const EstimateRevisions& revisions,
                          const std::vector<LandmarkChunk>& chunks) override {
     const std::lock_guard lock(landmark_rounds_);
-    for (const LandmarkChunk& chunk : chunks) write(&Endpoints::landmarks, chunk, revisions);
-    write_sample(&Endpoints::landmarks, wire::end_of_landmark_round(revisions));
+    for (const LandmarkChunk& chunk : chunks) hold(&Endpoints::landmarks, chunk, revisions);
+    hold_sample(&Endpoints::landmarks, wire::end_of_landmark_round(revisions));
+    flush(&Endpoints::landmarks);
   }
   void publish(const Correction& correction) override { write(&Endpoints::correction, correction); }
   void publish(const Status& status) override;
@@ -102,18 +107,28 @@ class DdsTransport final : public Transport {
   void reply(const Reply& reply) override;
 
  private:
-  // `more` stands between message and arena in to_wire().
+  template <class Wire, class Message>
+  void write(dds::Writer<Wire> Endpoints::*writer, const Message& message) {
+    hold(writer, message);
+    flush(writer);
+  }
+  // Until flush(). `more` stands between message and arena in to_wire().
   template <class Wire, class Message, class... More>
-  void write(dds::Writer<Wire> Endpoints::*writer, const Message& message, const More&... more) {
+  void hold(dds::Writer<Wire> Endpoints::*writer, const Message& message, const More&... more) {
     wire::Arena arena;
-    write_sample(writer, wire::to_wire(message, more..., arena));
+    hold_sample(writer, wire::to_wire(message, more..., arena));
   }
   template <class Wire>
-  void write_sample(dds::Writer<Wire> Endpoints::*writer, const Wire& sample) {
+  void hold_sample(dds::Writer<Wire> Endpoints::*writer, const Wire& sample) {
     const std::shared_lock lock(endpoints_mutex_);
     if (!running_) return;
-    if (const auto code = ((*endpoints_).*writer).write(sample); code < 0)
+    if (const auto code = ((*endpoints_).*writer).write_held(sample); code < 0)
       trouble_(dds::to_error(code, std::string("cannot write ") + dds::Topic<Wire>::kName));
+  }
+  template <class Wire>
+  void flush(dds::Writer<Wire> Endpoints::*writer) {
+    const std::shared_lock lock(endpoints_mutex_);
+    if (running_) ((*endpoints_).*writer).flush();
   }
 
   Result<void> attach_all(TransportListener& listener);
@@ -144,7 +159,8 @@ class DdsTransport final : public Transport {
 Result<void> DdsTransport::start(TransportListener& listener) {
   if (participant_) return Error{ErrorCode::kUsage, "the transport was started before"};
   trouble_ = [&listener](Error error) { listener.on_trouble(std::move(error)); };
-  auto participant = dds::Participant::open(options_.domain, options_.network);
+  auto participant =
+      dds::Participant::open(options_.domain, options_.network, dds::Sending::kOnFlush);
   if (!participant) return participant.error();
   participant_.emplace(std::move(*participant));
   auto endpoints = Endpoints::make(*participant_, &trouble_);

@@ -121,10 +121,11 @@ class MemoryTransport final : public Transport {
   Result<void> start(TransportListener& listener) override;
   void stop() noexcept override;
 
-  void publish(const Receipt& receipt) override {
-    send_to_source("receipt", receipt.key.source, receipt.key.epoch,
-                   receipt.key.sequence % wire::kSlots,
-                   [receipt](LinkListener& to) { to.on_receipt(receipt); });
+  void publish_receipts(const std::vector<Receipt>& receipts) override {
+    for (const Receipt& receipt : receipts)
+      send_to_source("receipt", receipt.key.source, receipt.key.epoch,
+                     receipt.key.sequence % wire::kSlots,
+                     [receipt](LinkListener& to) { to.on_receipt(receipt); });
   }
   void publish(const SourceState& state) override {
     send_to_source("source_state", state.source, state.epoch, 0,

@@ -83,9 +83,8 @@ Result<void> Service::rebuild() {
 // To what the disk has. What waits is sent again as well.
 void Service::fall_back(const Error& error) {
   if (journal_.failed()) fail(error);
-  for (const Receipt& receipt :
-       sequencer_.turn_away(RefusalCode::kStorageFull, error.to_string(), journal_.head().revision))
-    transport_.publish(receipt);
+  transport_.publish_receipts(
+      sequencer_.turn_away(RefusalCode::kStorageFull, error.to_string(), journal_.head().revision));
   if (auto rebuilt = rebuild(); !rebuilt) fail(rebuilt.error());
 }
 
@@ -209,20 +208,21 @@ void Service::commit(Sequencer::Outcome outcome) {
     if (!appended) {
       // Nothing of it happened, and what it has led to is not said.
       receipts.insert(receipts.end(), outcome.answers.begin(), outcome.answers.end());
-      for (const Receipt& receipt : receipts)
-        transport_.publish(Receipt{receipt.key, journal_.head().revision, RefusalCode::kStorageFull,
-                                   appended.error().to_string()});
+      for (Receipt& receipt : receipts)
+        receipt = {receipt.key, journal_.head().revision, RefusalCode::kStorageFull,
+                   appended.error().to_string()};
+      transport_.publish_receipts(receipts);
       fall_back(appended.error());
       return;
     }
+    transport_.publish_receipts(receipts);
     for (const Receipt& receipt : receipts) {
-      transport_.publish(receipt);
       changed_spools_.emplace(receipt.key.source, receipt.key.epoch);
       refill_.decided(receipt.key, Refill::Clock::now());
     }
     for (const auto& [key, hash] : named) payloads_.expect({key.source, key.epoch}, hash);
   }
-  for (const Receipt& answer : outcome.answers) transport_.publish(answer);
+  if (!outcome.answers.empty()) transport_.publish_receipts(outcome.answers);
   state_changed_ |= !outcome.decisions.empty() || !outcome.answers.empty();
   estimate_changed_ |= !outcome.decisions.empty();
 }

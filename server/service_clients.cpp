@@ -114,8 +114,7 @@ void Service::end_refill() {
 // Nothing is kept of those of whom the journal has nothing.
 void Service::let_strangers_go(const std::vector<Writers::Spool>& spools) {
   for (const auto& [source, epoch] : spools) {
-    for (const Receipt& receipt : sequencer_.turn_away_stranger(source, journal_.head().revision))
-      transport_.publish(receipt);
+    transport_.publish_receipts(sequencer_.turn_away_stranger(source, journal_.head().revision));
     changed_spools_.erase({source, epoch});
     payloads_.forget({source, epoch});
     transport_.forget(source, epoch);

@@ -76,7 +76,7 @@ void Service::post(Arrival arrival, const Sender& sender) {
                         .reason = kBehind};
   const std::size_t bytes = arrival.bytes;
   if (admit(Arrived{std::move(arrival), sender}, bytes)) return;
-  transport_.publish(refusal);
+  transport_.publish_receipts({refusal});
   answered_unread({refusal.key.source, refusal.key.epoch});
 }
 

@@ -60,7 +60,8 @@ class Transport {
   virtual Result<void> start(TransportListener& listener) = 0;
   virtual void stop() noexcept = 0;
 
-  virtual void publish(const Receipt& receipt) = 0;
+  /// What was decided together goes out together.
+  virtual void publish_receipts(const std::vector<Receipt>& receipts) = 0;
   virtual void publish(const SourceState& state) = 0;
   /// What was said to this spool is no longer kept for it.
   virtual void forget(const std::string& source, std::uint64_t epoch) = 0;

@@ -48,6 +48,11 @@ rocksdb::DBOptions database_options(rocksdb::Env* env, Store::Mode mode) {
   options.max_total_wal_size = 256u << 20;
   options.info_log_level = rocksdb::WARN_LEVEL;
   options.keep_log_file_num = 3;
+  // Tables leave for the disk while they are written, not at once at their end, and by threads that
+  // leave the processors to others: who waits for a sync of the log waits for nothing else.
+  options.bytes_per_sync = 1u << 20;
+  for (const auto pool : {rocksdb::Env::Priority::LOW, rocksdb::Env::Priority::HIGH})
+    (void)env->LowerThreadPoolCPUPriority(pool, rocksdb::CpuPriority::kLow);
   options.stats_dump_period_sec = 0;
   options.stats_persist_period_sec = 0;
   return options;

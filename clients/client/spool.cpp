@@ -22,6 +22,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::uint64_t kSegmentBytes = 8u << 20;
+constexpr std::uint64_t kZerosBytes = 1u << 20;        // written ahead at a time
 constexpr std::uint64_t kHead = 16;                    // of a record
 constexpr std::uint32_t kMostRecordBytes = 64u << 20;  // a longer length is damage
 constexpr char kExtension[] = ".spool";
@@ -140,10 +141,12 @@ Spool::Spool(Spool&& other) noexcept
       segments_(std::move(other.segments_)),
       lock_file_(std::exchange(other.lock_file_, -1)),
       segment_file_(std::exchange(other.segment_file_, -1)),
+      zeros_end_(other.zeros_end_),
       cursor_(std::exchange(other.cursor_, {})),
       broken_(std::move(other.broken_)) {}
 
 Spool::~Spool() {
+  if (!broken_) cut_zeros();
   close_file(cursor_.file);
   close_file(segment_file_);
   close_file(lock_file_);
@@ -233,6 +236,7 @@ Result<void> Spool::scan_newest() {
     offset += bytes_of(*record);
     ++next_;
   }
+  zeros_end_ = offset;
   if (offset == newest.bytes) return {};
   if (has_record_behind(segment_file_, offset, newest.bytes, next_))
     return damage({.segment = newest.first, .sequence = next_, .offset = offset},
@@ -248,10 +252,16 @@ Result<void> Spool::start_segment() {
   const int file = ::open(path_of(next_).c_str(), O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0644);
   if (file < 0) return failure("cannot make a spool file");
   sync_folder(options_.folder);
+  cut_zeros();
   close_file(segment_file_);
   segment_file_ = file;
   segments_.push_back({.first = next_, .bytes = 0});
+  zeros_end_ = 0;
   return {};
+}
+
+std::uint64_t Spool::segment_bytes() const {
+  return std::min(kSegmentBytes, options_.most_bytes / 8);
 }
 
 Result<void> Spool::append(const std::vector<std::string>& records) {
@@ -266,8 +276,7 @@ Result<void> Spool::append(const std::vector<std::string>& records) {
                      std::to_string(options_.most_bytes) +
                      " bytes wait for the daemon; is it running?",
                  options_.folder.string()};
-  const std::uint64_t segment_bytes = std::min(kSegmentBytes, options_.most_bytes / 8);
-  if (segments_.back().bytes > 0 && segments_.back().bytes + bytes.size() > segment_bytes)
+  if (segments_.back().bytes > 0 && segments_.back().bytes + bytes.size() > segment_bytes())
     if (auto ok = start_segment(); !ok) return ok;
   if (auto ok = write_all(bytes); !ok) return ok;
   segments_.back().bytes += bytes.size();
@@ -286,12 +295,30 @@ Result<void> Spool::write_all(std::string_view bytes) {
     offset += static_cast<std::uint64_t>(count);
     rest.remove_prefix(static_cast<std::size_t>(count));
   }
+  if (offset > zeros_end_) write_zeros(offset);
   if (fdatasync(segment_file_) == 0) return {};
   return take_back(failure("the disk did not keep the spool (fdatasync)"));
 }
 
+// A file that need not grow is synced with one write of the disk and not three. Where there is no
+// room, it grows.
+void Spool::write_zeros(std::uint64_t offset) {
+  const std::uint64_t end = std::min(offset + kZerosBytes, segment_bytes());
+  zeros_end_ = std::max(offset, end);
+  if (offset >= end) return;
+  const std::string zeros(end - offset, '\0');
+  (void)!pwrite(segment_file_, zeros.data(), zeros.size(), static_cast<off_t>(offset));
+}
+
+// A file is as long as what is in it, once nothing is added.
+void Spool::cut_zeros() {
+  if (segment_file_ >= 0)
+    (void)!ftruncate(segment_file_, static_cast<off_t>(segments_.back().bytes));
+}
+
 // Of what could not be appended nothing may be found, and sent, by the next run.
 Error Spool::take_back(Error error) {
+  zeros_end_ = 0;
   if (ftruncate(segment_file_, static_cast<off_t>(segments_.back().bytes)) == 0 &&
       fdatasync(segment_file_) == 0)
     return error;

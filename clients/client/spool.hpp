@@ -77,7 +77,10 @@ class Spool {
   Result<void> find_segments();
   Result<void> scan_newest();
   Result<void> start_segment();
+  [[nodiscard]] std::uint64_t segment_bytes() const;
   Result<void> write_all(std::string_view bytes);
+  void write_zeros(std::uint64_t offset);
+  void cut_zeros();
   Error take_back(Error error);
   Result<void> seek(std::uint64_t sequence);
   [[nodiscard]] std::filesystem::path path_of(std::uint64_t first) const;
@@ -91,6 +94,7 @@ class Spool {
   std::vector<Segment> segments_;  // ascending; the last one is written to
   int lock_file_ = -1;
   int segment_file_ = -1;
+  std::uint64_t zeros_end_ = 0;  // of the newest file: up to here it need not grow
   Cursor cursor_;
   std::optional<Error> broken_;  // nothing is known about the end of the newest file
 };

@@ -58,13 +58,22 @@ class Writer {
   }
   /// Not OK means not written. DDS_RETCODE_TIMEOUT: a reader is too slow (kEvery only), try again.
   [[nodiscard]] dds_return_t write(const T& sample) const {
+    const dds_return_t written = write_held(sample);
+    flush();
+    return written;
+  }
+  /// The same, but it may stay here until flush().
+  [[nodiscard]] dds_return_t write_held(const T& sample) const {
     return dds_write(endpoint_.handle(), &sample);
   }
+  void flush() const { (void)dds_write_flush(endpoint_.handle()); }
   /// Keeps nothing any more of the instance that has the key of `sample`.
   [[nodiscard]] dds_return_t forget(const T& sample) const {
     const dds_instance_handle_t instance = dds_lookup_instance(endpoint_.handle(), &sample);
-    return instance == DDS_HANDLE_NIL ? DDS_RETCODE_OK
-                                      : dds_unregister_instance_ih(endpoint_.handle(), instance);
+    if (instance == DDS_HANDLE_NIL) return DDS_RETCODE_OK;
+    const dds_return_t gone = dds_unregister_instance_ih(endpoint_.handle(), instance);
+    flush();
+    return gone;
   }
   [[nodiscard]] dds_entity_t handle() const { return endpoint_.handle(); }
 

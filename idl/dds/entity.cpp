@@ -33,9 +33,11 @@ void replace(std::string& text, std::string_view part, const std::string& by) {
 }
 
 // The shipped configuration, on the interface that is asked for.
-std::string configuration_of(const Network& network) {
+std::string configuration_of(const Network& network, Sending sending) {
   const bool radio = network.profile == Profile::kRadio;
   std::string text = radio ? kRadioConfiguration : kLoopbackConfiguration;
+  if (sending == Sending::kOnFlush)
+    replace(text, "<Internal>", "<Internal><WriteBatch>true</WriteBatch>");
   if (network.interface.empty()) return text;
   const std::string interface = "<NetworkInterface name=\"" + network.interface + "\"/>";
   if (radio) {
@@ -60,13 +62,14 @@ Result<void> check_interface(const std::string& name) {
 
 // The shipped configuration for this domain, or null where the environment or somebody else in this
 // process has configured it.
-Result<std::shared_ptr<Entity>> configure(std::uint32_t domain, const Network& network) {
+Result<std::shared_ptr<Entity>> configure(std::uint32_t domain, const Network& network,
+                                          Sending sending) {
   if (const char* uri = std::getenv("CYCLONEDDS_URI"); uri != nullptr && *uri != '\0')
     return std::shared_ptr<Entity>();
   std::weak_ptr<Entity>& known = domains()[domain];
   if (auto living = known.lock()) return living;
   if (auto sound = check_interface(network.interface); !sound) return sound.error();
-  const dds_entity_t handle = dds_create_domain(domain, configuration_of(network).c_str());
+  const dds_entity_t handle = dds_create_domain(domain, configuration_of(network, sending).c_str());
   if (handle == DDS_RETCODE_PRECONDITION_NOT_MET) return std::shared_ptr<Entity>();
   if (handle < 0)
     return to_error(handle, "cannot set up DDS domain " + std::to_string(domain) +
@@ -87,14 +90,15 @@ Error to_error(dds_return_t code, const std::string& what) {
   return {ErrorCode::kUnreachable, what + ": " + dds_strretcode(code) + " (Cyclone DDS)"};
 }
 
-Result<Participant> Participant::open(std::uint32_t domain, const Network& network) {
+Result<Participant> Participant::open(std::uint32_t domain, const Network& network,
+                                      Sending sending) {
   if (domain > kLastDomain)
     return Error{ErrorCode::kUsage, "domain is " + std::to_string(domain) + "; expected 0 to " +
                                         std::to_string(kLastDomain)};
   std::shared_ptr<Entity> configured;
   {
     const std::lock_guard lock(domains_mutex);
-    auto result = configure(domain, network);
+    auto result = configure(domain, network, sending);
     if (!result) return result.error();
     configured = std::move(*result);
   }

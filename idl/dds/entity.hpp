@@ -55,11 +55,19 @@ struct Network {
 /// Told, from threads of the middleware, of peers that do not fit and writes that failed.
 using TroubleHandler = std::function<void(Error)>;
 
+/// When what a process writes leaves it.
+enum class Sending {
+  kAtOnce,
+  kOnFlush,  ///< many samples share a datagram; holds for all of the process, also for writers that
+             ///< are not ours and do not know
+};
+
 /// One participant of a domain. The first of a process in a domain sets that domain up; the last
 /// one tears it down.
 class Participant {
  public:
-  static Result<Participant> open(std::uint32_t domain, const Network& network);
+  static Result<Participant> open(std::uint32_t domain, const Network& network,
+                                  Sending sending = Sending::kAtOnce);
   Participant(Participant&&) noexcept = default;
   Participant& operator=(Participant&&) = delete;
 

@@ -90,7 +90,7 @@ class FakeDaemon : public TransportListener {
     const FakeStore::Source source{transaction.key.source, transaction.key.epoch};
     const auto& receipts = store_.decided[source];
     if (transaction.key.sequence <= receipts.size()) {
-      transport_->publish(receipts[transaction.key.sequence - 1]);
+      transport_->publish_receipts({receipts[transaction.key.sequence - 1]});
       return;
     }
     const std::uint64_t sequence = transaction.key.sequence;
@@ -134,13 +134,13 @@ class FakeDaemon : public TransportListener {
       held.erase(next);
       if (receipt.refusal &&
           (is_retryable(*receipt.refusal) || *receipt.refusal == RefusalCode::kForeignSource)) {
-        transport_->publish(receipt);
+        transport_->publish_receipts({receipt});
         break;
       }
       receipt.revision.number = ++store_.head.number;
       receipts.push_back(receipt);
       store_.promised.emplace(receipt.key, receipt.revision);
-      transport_->publish(receipt);
+      transport_->publish_receipts({receipt});
     }
     if (tells_marks_) publish_state(source);
     changed_.notify_all();

@@ -58,6 +58,24 @@ class SpoolTest : public testing::Test {
   }
 };
 
+TEST_F(SpoolTest, GoesOnAfterACrashThatLeftZerosBehindTheRecords) {
+  const fs::path killed = folder_.path() / "killed";
+  {
+    Spool spool = open();
+    ASSERT_TRUE(spool.append({"first", "second"}));
+    EXPECT_GT(fs::file_size(newest_file()), spool.bytes());
+    fs::copy(options().folder, killed, fs::copy_options::recursive);
+  }
+  EXPECT_EQ(fs::file_size(newest_file()), Spool::bytes_of("first") + Spool::bytes_of("second"));
+  auto again = Spool::open({.folder = killed, .source = "wheels"});
+  ASSERT_TRUE(again) << again.error().to_string();
+  EXPECT_EQ(again->bytes(), Spool::bytes_of("first") + Spool::bytes_of("second"));
+  EXPECT_EQ(again->next_sequence(), 3u);
+  ASSERT_TRUE(again->append({"third"}));
+  EXPECT_EQ(*again->read(2), "second");
+  EXPECT_EQ(*again->read(3), "third");
+}
+
 TEST_F(SpoolTest, GoesOnInItsEpochAndSequenceAfterARestart) {
   std::uint64_t epoch = 0;
   {

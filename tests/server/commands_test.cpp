@@ -18,7 +18,7 @@ class Replies final : public Transport {
  public:
   Result<void> start(TransportListener& /*listener*/) override { return {}; }
   void stop() noexcept override {}
-  void publish(const Receipt& /*receipt*/) override {}
+  void publish_receipts(const std::vector<Receipt>& /*receipts*/) override {}
   void publish(const SourceState& /*state*/) override {}
   void forget(const std::string& /*source*/, std::uint64_t /*epoch*/) override {}
   void publish(const PayloadReceipt& /*receipt*/) override {}

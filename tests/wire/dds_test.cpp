@@ -47,9 +47,9 @@ TEST_F(Dds, CarriesTransactionsInTheOrderOfTheirSequenceAndReceiptsBack) {
   EXPECT_EQ(received[9].first.factors[0].payloads[1], content_hash("scan b"));
   EXPECT_EQ(received[9].first.factors[0].nodes, test::step("wheels", 5, 10).factors[0].nodes);
 
-  transport_->publish(Receipt{.key = {"sonar", 5, 1}, .revision = {9, 0, 1}});
-  transport_->publish(Receipt{.key = {"wheels", 6, 1}, .revision = {9, 0, 2}});
-  transport_->publish(Receipt{.key = {"wheels", 5, 1}, .revision = {9, 0, 3}});
+  transport_->publish_receipts({{.key = {"sonar", 5, 1}, .revision = {9, 0, 1}}});
+  transport_->publish_receipts({{.key = {"wheels", 6, 1}, .revision = {9, 0, 2}}});
+  transport_->publish_receipts({{.key = {"wheels", 5, 1}, .revision = {9, 0, 3}}});
   const auto receipts = client_.receipts.wait_for(1);
   ASSERT_EQ(receipts.size(), 1u);  // its own only
   EXPECT_EQ(receipts[0].revision.number, 3u);
@@ -80,7 +80,7 @@ TEST_F(Dds, TellsThatAClientCameAndThatItWent) {
 TEST_F(Dds, ForgetsWhatItSaidToASpoolThatIsGone) {
   ASSERT_TRUE(transport_->start(daemon_));
   for (std::uint64_t i = 1; i <= 20; ++i)
-    transport_->publish(Receipt{.key = {"wheels", 5, i}, .revision = {9, 0, i}});
+    transport_->publish_receipts({{.key = {"wheels", 5, i}, .revision = {9, 0, i}}});
   for (std::uint64_t i = 1; i <= 20; ++i)
     transport_->publish(PayloadReceipt{.source = "wheels", .epoch = 5, .number = i});
   transport_->publish(SourceState{.source = "wheels", .epoch = 5, .highest_decided = 4});
