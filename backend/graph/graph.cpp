@@ -21,6 +21,26 @@ Graph& Graph::operator=(const Graph& other) {
   return *this;
 }
 
+Graph Graph::with_factors(const std::vector<bool>& kept) const {
+  Graph graph;
+  graph.variables_ = variables_;
+  graph.values_ = values_;
+  graph.slots_ = slots_;
+  graph.slot_of_id_ = slot_of_id_;
+  graph.batch_types_ = batch_types_;
+  std::vector<std::vector<std::uint32_t>> chosen(batches_.size());
+  for (std::size_t place = 0; place < factor_order_.size(); ++place) {
+    if (!kept[place]) continue;
+    const FactorRef factor = factor_order_[place];
+    std::vector<std::uint32_t>& own = chosen[factor.batch];
+    graph.factor_order_.push_back({factor.batch, static_cast<std::uint32_t>(own.size())});
+    own.push_back(factor.index);
+  }
+  for (std::size_t b = 0; b < batches_.size(); ++b)
+    graph.batches_.push_back(batches_[b]->select(chosen[b]));
+  return graph;
+}
+
 Result<VariableSlot> Graph::add_variable(VariableId id, VariableType type, std::size_t index) {
   const auto slot = static_cast<VariableSlot>(variables_.size());
   if (!slot_of_id_.insert(id, slot)) {

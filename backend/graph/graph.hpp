@@ -78,6 +78,10 @@ class Graph {
   /// The slots a factor touches, in the order of its signature.
   [[nodiscard]] std::vector<VariableSlot> slots_of(FactorRef factor) const;
 
+  /// The same graph with some of the factors only: those of which `kept`, by place in factors(), is
+  /// true. Their order stays.
+  [[nodiscard]] Graph with_factors(const std::vector<bool>& kept) const;
+
   void set_kind(FactorRef factor, FactorKind kind) {
     batches_[factor.batch]->set_kind(factor.index, kind);
   }

@@ -61,6 +61,8 @@ void add_solver_options(CLI::App& verb, OptimizeArguments& a) {
       ->type_name("NAME[:WIDTH]");
   add_choice(verb, "--loss-on", a.solve.loss_on_loops_only, kLossTargets,
              "factors the loss is applied to");
+  verb.add_flag("--gate", a.gate,
+                "find loop closures that contradict the rest, and leave them out");
   verb.add_option("--threads", a.solve.threads,
                   "threads at most; 0: one per processor. Results do not depend on it")
       ->check(in_range(0, 1024))

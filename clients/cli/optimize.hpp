@@ -20,7 +20,7 @@ struct OptimizeArguments {
   std::string loss = "none";
   std::string json, covariances, truth;
   std::vector<std::string> plots;
-  bool strict = false, quiet = false;
+  bool gate = false, strict = false, quiet = false;
 };
 
 /// Reads, solves, and writes what was asked for. Gives the exit code.

@@ -34,6 +34,9 @@ Result<SolveOptions> solve_options(const OptimizeArguments& a) {
                  "this processor cannot run that kernel; leave it out, or choose portable",
                  "--kernel"};
   }
+  if (a.gate && options.loss.kind() != RobustLoss::Kind::kNone)
+    return Error{ErrorCode::kUsage, "the gate weighs loops itself; choose --gate or --loss",
+                 "--gate"};
   if (options.threads == 0)
     options.threads = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
   return options;
@@ -81,16 +84,37 @@ Result<Job> read_job(const OptimizeArguments& a) {
   return job;
 }
 
-SolveSummary solve(Graph& graph, SolveOptions options, const Console& console) {
+// Names what was left out, and takes it out of the graph.
+GateReport take_out(Graph& graph, const GatedSolution& solution) {
+  GateReport report{.loops = solution.loops, .noise_scale = solution.noise_scale};
+  std::vector<bool> kept(graph.factor_count(), true);
+  for (const LeftOutLoop& loop : solution.left_out) {
+    kept[loop.factor] = false;
+    const std::vector<VariableSlot> ends = graph.slots_of(graph.factors()[loop.factor]);
+    report.left_out.push_back({graph.variables()[ends[0]].id, graph.variables()[ends[1]].id, loop});
+  }
+  if (!solution.left_out.empty()) graph = graph.with_factors(kept);
+  return report;
+}
+
+Result<void> solve(Job& job, SolveOptions options, bool gate, const Console& console) {
+  Graph& graph = job.document.graph;
   const Stopwatch watch;
   console.show_progress("initializing");
   options.on_iteration = [&](int iteration, const IterationReport& report) {
     console.show_progress(progress_line(iteration, report, watch.seconds()));
     return !InterruptGuard::interrupted();
   };
-  SolveSummary summary = optimize(graph, options);
+  if (gate) {
+    const Result<GatedSolution> solution = solve_gated(graph, options);
+    if (!solution) return solution.error();
+    job.report.summary = solution->summary;
+    if (solution->summary.usable()) job.report.gate = take_out(graph, *solution);
+  } else {
+    job.report.summary = optimize(graph, options);
+  }
   console.clear_progress();
-  return summary;
+  return {};
 }
 
 Result<void> write_results(const OptimizeArguments& a, const SolveOptions& options, Job& job,
@@ -159,8 +183,10 @@ int run_optimize(const OptimizeArguments& a) {
   for (const std::string& line : warning_lines(job->document.warnings)) Console::warn(line);
   const InterruptGuard guard;  // from here on the first Ctrl-C stops the solver, not the program
   console.say(input_line(job->report));
-  job->report.summary = solve(job->document.graph, *options, console);
+  if (Result<void> solved = solve(*job, *options, a.gate, console); !solved)
+    return fail(solved.error());
   for (const std::string& line : solve_lines(job->report)) console.say(line);
+  if (job->report.gate) console.say(gate_line(*job->report.gate));
   if (!job->report.summary.under_constrained.empty())
     Console::warn(under_constrained_line(job->report.summary));
   return finish(a, *options, *job, console);

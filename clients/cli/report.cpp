@@ -39,6 +39,19 @@ Json under_constrained_json(const SolveSummary& summary) {
   return all;
 }
 
+Json gate_json(const GateReport& gate) {
+  Json left_out = Json::array();
+  for (const auto& [from, to, verdict] : gate.left_out) {
+    left_out.push_back({{"from", from.value},
+                        {"to", to.value},
+                        {"edge", verdict.factor},
+                        {"test", verdict.test == GateTest::kPairs ? "pairs" : "residual"},
+                        {"chi2", verdict.chi2},
+                        {"threshold", verdict.threshold}});
+  }
+  return {{"loops", gate.loops}, {"noise_scale", gate.noise_scale}, {"left_out", left_out}};
+}
+
 Json iterations_json(const SolveSummary& summary) {
   Json all = Json::array();
   for (const IterationReport& iteration : summary.iterations) {
@@ -67,6 +80,7 @@ std::string json_text(const OptimizeReport& report) {
   json["error_chart"] = to_string(report.chart);
   json["input_chi2"] = or_null(report.input_chi2);
   json["initialization"] = initialization_json(summary);
+  if (report.gate) json["gate"] = gate_json(*report.gate);
   json["initial_chi2"] = summary.initial_chi2;
   json["final_chi2"] = summary.final_chi2;
   json["final_cost"] = summary.final_cost;

@@ -6,9 +6,21 @@
 #include <vector>
 
 #include "cairn/graph/graph.hpp"
+#include "cairn/solver/loop_gate.hpp"
 #include "cairn/solver/solve_summary.hpp"
 
 namespace cairn::cli {
+
+/// What --gate found.
+struct GateReport {
+  struct LeftOut {
+    VariableId from, to;
+    LeftOutLoop verdict;
+  };
+  std::size_t loops = 0;
+  double noise_scale = 1.0;
+  std::vector<LeftOut> left_out{};
+};
 
 /// One run of `cairn optimize`, as its reports tell it.
 struct OptimizeReport {
@@ -16,6 +28,7 @@ struct OptimizeReport {
   std::size_t vertices = 0, edges = 0;
   ErrorChart chart = ErrorChart::kG2o;
   std::optional<double> input_chi2{};  ///< as read; nothing where the file has no vertices
+  std::optional<GateReport> gate{};
   SolveSummary summary{};
   double read_s = 0.0;
   std::optional<double> write_s{};  ///< nothing where no graph was written

@@ -77,6 +77,21 @@ std::vector<std::string> solve_lines(const OptimizeReport& report) {
                  summary.components == 1 ? "" : "s")};
 }
 
+std::string gate_line(const GateReport& gate) {
+  std::string line =
+      format("gate:          %zu of %zu loop closures contradict the rest%s", gate.left_out.size(),
+             gate.loops, gate.left_out.empty() ? "" : " and are left out: ");
+  for (std::size_t i = 0; i < std::min(gate.left_out.size(), kShown); ++i) {
+    const auto& [from, to, verdict] = gate.left_out[i];
+    line += format("%s%llu - %llu (chi2 %.3g)", i == 0 ? "" : ", ",
+                   static_cast<unsigned long long>(from.value),
+                   static_cast<unsigned long long>(to.value), verdict.chi2);
+  }
+  if (gate.left_out.size() > kShown)
+    line += format(", and %zu more (--json lists them)", gate.left_out.size() - kShown);
+  return line;
+}
+
 std::string truth_line(const TruthComparison& before, const TruthComparison& after) {
   return format("error:         ATE %.6g m -> %.6g m (rmse of %zu poses, aligned to the truth)",
                 before.ate_rmse_m, after.ate_rmse_m, after.poses);

@@ -14,6 +14,8 @@ namespace cairn::cli {
 std::string input_line(const OptimizeReport& report);
 std::string progress_line(int iteration, const IterationReport& report, double seconds);
 std::vector<std::string> solve_lines(const OptimizeReport& report);
+/// What --gate has left out.
+std::string gate_line(const GateReport& gate);
 std::string truth_line(const TruthComparison& before, const TruthComparison& after);
 /// The first warnings, and how many more there are.
 std::vector<std::string> warning_lines(const std::vector<std::string>& warnings);

@@ -57,6 +57,32 @@ class Optimize : public testing::Test {
   TemporaryFolder folder_;
 };
 
+TEST_F(Optimize, LeavesOutFalseLoopsWhereItIsAskedTo) {
+  ASSERT_EQ(run_cairn({"simulate", "city", "--poses", "400", "--outliers", "0.05", "--seed", "2",
+                       "-o", file("city.g2o")})
+                .exit_code,
+            0);
+  const auto run = run_cairn({"optimize", file("city.g2o"), "--gate", "--json", file("report.json"),
+                              "-o", file("out.g2o")});
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  const auto report = nlohmann::json::parse(read_file(file("report.json")));
+  const auto& left_out = report["gate"]["left_out"];
+  EXPECT_GT(left_out.size(), 5u);
+  EXPECT_THAT(run.out, HasSubstr(std::to_string(left_out.size()) + " of " +
+                                 std::to_string(report["gate"]["loops"].get<int>()) +
+                                 " loop closures contradict the rest and are left out: "));
+  EXPECT_GT(left_out[0]["chi2"], left_out[0]["threshold"]);
+  EXPECT_LT(report["final_chi2"], 2.0 * report["dof"].get<double>());
+  const auto again = run_cairn({"optimize", file("out.g2o"), "--json", "-"});
+  const auto rest = nlohmann::json::parse(again.out);
+  EXPECT_EQ(rest["edges"].get<std::size_t>() + left_out.size(), report["edges"]);
+  EXPECT_NEAR(rest["final_chi2"], report["final_chi2"].get<double>(),
+              1e-6 * report["dof"].get<double>());
+  const auto both = run_cairn({"optimize", file("city.g2o"), "--gate", "--loss", "huber"});
+  EXPECT_EQ(both.exit_code, 2);
+  EXPECT_THAT(both.err, HasSubstr("choose --gate or --loss"));
+}
+
 TEST_F(Optimize, WritesTheOptimumAndSaysWhatItDid) {
   const auto run = run_cairn({"optimize", square(), "-o", file("out.g2o")});
   EXPECT_EQ(run.exit_code, 0) << run.err;

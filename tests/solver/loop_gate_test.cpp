@@ -1,0 +1,243 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "cairn/solver/loop_gate.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cctype>
+#include <cstdio>
+#include <cstdlib>
+#include <map>
+#include <random>
+#include <set>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "cairn/factors/between.hpp"
+#include "cairn/io/graph_file.hpp"
+#include "cairn/solver/loop_cycles.hpp"
+#include "cairn/solver/optimize.hpp"
+#include "datasets/simulate.hpp"
+#include "tests/support/datasets.hpp"
+
+namespace cairn {
+namespace {
+
+using testing::IsEmpty;
+
+Graph simulated(World world, std::size_t poses, std::uint64_t seed) {
+  Result<SimulatedGraph> made = simulate({.world = world, .poses = poses, .seed = seed});
+  EXPECT_TRUE(made);
+  return std::move(made->graph);
+}
+
+double metres_off(const BetweenSe2& loop, const Graph& solved, VariableId a, VariableId b) {
+  const auto& poses = solved.values().pose2;
+  const auto pose = [&](VariableId id) {
+    return poses[solved.variables()[*solved.find(id)].index];
+  };
+  return ((pose(a) * loop.T_a_b_measured).translation() - pose(b).translation()).norm();
+}
+double metres_off(const BetweenSe3& loop, const Graph& solved, VariableId a, VariableId b) {
+  const auto& poses = solved.values().pose3;
+  const auto pose = [&](VariableId id) {
+    return poses[solved.variables()[*solved.find(id)].index];
+  };
+  return ((pose(a) * loop.T_a_b_measured).translation() - pose(b).translation()).norm();
+}
+
+// Loops as a front-end that confuses places reports them: what was measured between two poses, said
+// of two others, where it is three metres off or more. The last `in_groups` of them in groups of
+// four keyframes in a row that agree with each other.
+template <class F>
+std::set<std::size_t> add_false_loops(Graph& graph, const Graph& solved, int count, int in_groups,
+                                      std::uint64_t seed) {
+  std::mt19937_64 random(seed);
+  std::vector<F> loops;
+  std::map<std::uint64_t, F> odometry;  // by the id it leads from
+  const TypedBatch<F>& batch = *graph.find_batch<F>();
+  for (const FactorRef factor : graph.factors()) {
+    if (graph.batches()[factor.batch].get() != &batch) continue;
+    const std::uint64_t from = graph.variables()[graph.slots_of(factor)[0]].id.value;
+    if (batch.kinds()[factor.index] == FactorKind::kLoop)
+      loops.push_back(batch.factor(factor.index));
+    else
+      odometry.emplace(from, batch.factor(factor.index));
+  }
+  std::set<std::size_t> places;
+  const std::uint64_t poses = odometry.size() + 1;
+  while (static_cast<int>(places.size()) < count) {
+    F loop = loops[random() % loops.size()];
+    std::uint64_t a = random() % poses, b = random() % poses;
+    const int in_a_row = static_cast<int>(places.size()) < count - in_groups ? 1 : 4;
+    for (int i = 0; i < in_a_row && static_cast<int>(places.size()) < count; ++i, ++a, ++b) {
+      if (a + 40 >= b || b + 1 >= poses) break;
+      if (metres_off(loop, solved, VariableId{a}, VariableId{b}) < 3.0) break;
+      places.insert(graph.factor_count());
+      EXPECT_TRUE(graph.add_factor(loop, {VariableId{a}, VariableId{b}}, FactorKind::kLoop));
+      loop.T_a_b_measured = odometry.at(a).T_a_b_measured.inverse() * loop.T_a_b_measured *
+                            odometry.at(b).T_a_b_measured;
+    }
+  }
+  return places;
+}
+
+std::set<std::size_t> left_out(const GatedSolution& solution) {
+  std::set<std::size_t> places;
+  for (const LeftOutLoop& loop : solution.left_out) places.insert(loop.factor);
+  return places;
+}
+
+template <class F>
+void find_all_and_only_false_loops(Graph graph, int count, int in_groups, std::uint64_t seed) {
+  SCOPED_TRACE("seed " + std::to_string(seed));
+  Graph clean = graph;
+  const SolveOptions options{.init = InitMethod::kAuto};
+  const double chi2 = optimize(clean, options).final_chi2;
+  const std::set<std::size_t> false_loops =
+      add_false_loops<F>(graph, clean, count, in_groups, seed);
+  const Result<GatedSolution> solution = solve_gated(graph, options);
+  ASSERT_TRUE(solution) << solution.error().to_string();
+  ASSERT_TRUE(solution->summary.usable());
+  EXPECT_EQ(left_out(*solution), false_loops);
+  EXPECT_NEAR(solution->summary.final_chi2, chi2, 1e-6 * chi2);
+  for (const LeftOutLoop& loop : solution->left_out) EXPECT_GT(loop.chi2, loop.threshold);
+}
+
+std::uint64_t drawn_seed() {
+  const char* given = std::getenv("CAIRN_SEED");
+  const std::uint64_t seed = given ? std::strtoull(given, nullptr, 10) : std::random_device{}();
+  std::printf("CAIRN_SEED=%llu\n", static_cast<unsigned long long>(seed));
+  return seed;
+}
+
+TEST(LoopGate, FindsFalseLoopsInThePlane) {
+  for (const std::uint64_t seed : {1, 2, 3})
+    find_all_and_only_false_loops<BetweenSe2>(simulated(World::kCity, 1000, seed), 30, 12, seed);
+}
+
+TEST(LoopGate, FindsFalseLoopsInSpace) {
+  find_all_and_only_false_loops<BetweenSe3>(simulated(World::kSphere, 600, 1), 20, 8, 1);
+}
+
+TEST(LoopGate, FindsFalseLoopsOfPublicGraphs) {
+  CAIRN_REQUIRE_DATASET(manhattan, "graphs/pose2/manhattan.g2o");
+  CAIRN_REQUIRE_DATASET(sphere, "graphs/pose3/sphere2500.g2o");
+  const std::uint64_t seed = drawn_seed();
+  find_all_and_only_false_loops<BetweenSe2>(read_graph(manhattan)->graph, 100, 0, seed);
+  find_all_and_only_false_loops<BetweenSe3>(read_graph(sphere)->graph, 100, 0, seed);
+}
+
+class CleanGraphTest : public testing::TestWithParam<const char*> {};
+
+TEST_P(CleanGraphTest, KeepsAllLoopsAndFindsTheOptimum) {
+  CAIRN_REQUIRE_DATASET(path, GetParam());
+  Graph graph = read_graph(path)->graph, plain = graph;
+  const SolveOptions options{.init = InitMethod::kAuto};
+  const Result<GatedSolution> solution = solve_gated(graph, options);
+  ASSERT_TRUE(solution) << solution.error().to_string();
+  EXPECT_THAT(solution->left_out, IsEmpty());
+  const double chi2 = optimize(plain, options).final_chi2;
+  EXPECT_NEAR(solution->summary.final_chi2, chi2, 1e-6 * chi2);
+}
+
+INSTANTIATE_TEST_SUITE_P(PublicGraphs, CleanGraphTest,
+                         testing::Values("graphs/pose2/manhattan.g2o", "graphs/pose2/city10000.g2o",
+                                         "graphs/pose2/CSAIL.g2o", "graphs/pose2/kitti_00.g2o",
+                                         "graphs/pose2/M3500a.g2o", "graphs/pose3/sphere2500.g2o",
+                                         "graphs/pose3/parking-garage.g2o"),
+                         [](const auto& test) {
+                           std::string name = test.param;
+                           std::erase_if(name, [](char c) { return std::isalnum(c) == 0; });
+                           return name;
+                         });
+
+TEST(LoopGate, KeepsALonelyLoopThatOdometryAgreesWith) {
+  Graph graph = simulated(World::kCity, 300, 1);
+  std::vector<bool> kept(graph.factor_count(), true);
+  bool found = false;  // all loops but the first
+  for (std::size_t place = 0; place < kept.size(); ++place) {
+    const FactorRef factor = graph.factors()[place];
+    if (graph.batches()[factor.batch]->kinds()[factor.index] == FactorKind::kLoop)
+      kept[place] = !std::exchange(found, true);
+  }
+  Graph lonely = graph.with_factors(kept);
+  const Result<GatedSolution> solution = solve_gated(lonely, {.init = InitMethod::kAuto});
+  ASSERT_TRUE(solution);
+  EXPECT_EQ(solution->loops, 1u);
+  EXPECT_THAT(solution->left_out, IsEmpty());
+}
+
+TEST(LoopGate, HasNothingToSayWithoutLoops) {
+  Graph graph;
+  const SolveOptions options{.init = InitMethod::kAuto};
+  ASSERT_TRUE(graph.add_pose2(VariableId{0}, {}));
+  ASSERT_TRUE(graph.add_pose2(VariableId{1}, {}));
+  BetweenSe2 step;
+  step.information.setIdentity();
+  ASSERT_TRUE(graph.add_factor(step, {VariableId{0}, VariableId{1}}, FactorKind::kOdometry));
+  const Result<GatedSolution> solution = solve_gated(graph, options);
+  ASSERT_TRUE(solution);
+  EXPECT_TRUE(solution->summary.usable());
+  EXPECT_EQ(solution->loops, 0u);
+}
+
+TEST(LoopGate, RefusesLoopsOfPlaneAndSpaceTogether) {
+  Graph graph;
+  ASSERT_TRUE(graph.add_pose2(VariableId{0}, {}));
+  ASSERT_TRUE(graph.add_pose2(VariableId{1}, {}));
+  ASSERT_TRUE(graph.add_pose3(VariableId{2}, {}));
+  ASSERT_TRUE(graph.add_pose3(VariableId{3}, {}));
+  BetweenSe2 plane;
+  BetweenSe3 space;
+  plane.information.setIdentity();
+  space.information.setIdentity();
+  ASSERT_TRUE(graph.add_factor(plane, {VariableId{0}, VariableId{1}}, FactorKind::kLoop));
+  ASSERT_TRUE(graph.add_factor(space, {VariableId{2}, VariableId{3}}, FactorKind::kLoop));
+  const Result<GatedSolution> solution = solve_gated(graph);
+  ASSERT_FALSE(solution);
+  EXPECT_EQ(solution.error().code, ErrorCode::kUsage);
+}
+
+// The referee: a graph of the cycle alone, fitted by the solver.
+TEST(LoopCycles, GiveTheChi2OfTheirBestFit) {
+  const Graph graph = simulated(World::kCity, 400, 3);
+  const LoopCycles<Se2> cycles(graph);
+  const auto id_of = [&](std::uint32_t pose) {
+    return graph.variables()[graph.slot_of(VariableType::kPose2, pose)].id.value;
+  };
+  int compared = 0;
+  for (std::size_t k = 0; k + 1 < cycles.loops().size(); ++k) {
+    const auto &x = cycles.loops()[k], &y = cycles.loops()[k + 1];
+    if (cycles.distance(x, y) > 10) continue;
+    Graph cycle;
+    const auto add = [&](std::uint64_t id) { (void)cycle.add_pose2(VariableId{id}, {}); };
+    const auto stretch = [&](std::uint32_t a, std::uint32_t b) {
+      return std::pair(std::min(id_of(a), id_of(b)), std::max(id_of(a), id_of(b)));
+    };
+    const auto [a1, a2] = stretch(x.a, y.a);
+    const auto [b1, b2] = stretch(x.b, y.b);
+    for (std::uint64_t id = a1; id <= a2; ++id) add(id);
+    for (std::uint64_t id = b1; id <= b2; ++id) add(id);
+    for (std::size_t place = 0; place < graph.factor_count(); ++place) {
+      const FactorRef factor = graph.factors()[place];
+      const auto& batch = *graph.find_batch<BetweenSe2>();
+      const auto slots = graph.slots_of(factor);
+      const VariableId from = graph.variables()[slots[0]].id, to = graph.variables()[slots[1]].id;
+      const FactorKind kind = batch.kinds()[factor.index];
+      if (kind == FactorKind::kOdometry ? (!cycle.find(from) || !cycle.find(to))
+                                        : (place != x.factor && place != y.factor))
+        continue;
+      ASSERT_TRUE(cycle.add_factor(batch.factor(factor.index), {from, to}, kind));
+    }
+    const double best = optimize(cycle, {.init = InitMethod::kOdometry}).final_chi2;
+    EXPECT_NEAR(cycles.chi2(x, y), best, 0.02 * best + 1e-6) << k;
+    ++compared;
+  }
+  EXPECT_GT(compared, 20);
+}
+
+}  // namespace
+}  // namespace cairn
