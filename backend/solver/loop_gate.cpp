@@ -78,7 +78,8 @@ class LoopGate {
         const Loop &first = loops()[x], &second = loops()[y];
         if (!cycles_.share_chains(first, second) || cycles_.places_apart(first, second) > kReach)
           break;
-        if (cycles_.distance(first, second) <= kReach)
+        const int distance = cycles_.distance(first, second);
+        if (distance > 0 && distance <= kReach)  // a copy is no second witness
           near_.push_back({x, y, cycles_.chi2(first, second)});
       }
     }

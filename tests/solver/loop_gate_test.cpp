@@ -154,6 +154,21 @@ INSTANTIATE_TEST_SUITE_P(PublicGraphs, CleanGraphTest,
                            return name;
                          });
 
+TEST(LoopGate, TakesACopyForNoWitness) {
+  Graph graph = simulated(World::kCity, 400, 1), clean = graph;
+  optimize(clean, {.init = InitMethod::kAuto});
+  std::set<std::size_t> false_loops = add_false_loops<BetweenSe2>(graph, clean, 1, 0, 7);
+  const FactorRef loop = graph.factors()[*false_loops.begin()];
+  const std::vector<VariableSlot> ends = graph.slots_of(loop);
+  false_loops.insert(graph.factor_count());
+  ASSERT_TRUE(graph.add_factor(graph.find_batch<BetweenSe2>()->factor(loop.index),
+                               {graph.variables()[ends[0]].id, graph.variables()[ends[1]].id},
+                               FactorKind::kLoop));
+  const Result<GatedSolution> solution = solve_gated(graph, {.init = InitMethod::kAuto});
+  ASSERT_TRUE(solution);
+  EXPECT_EQ(left_out(*solution), false_loops);
+}
+
 TEST(LoopGate, KeepsALonelyLoopThatOdometryAgreesWith) {
   Graph graph = simulated(World::kCity, 300, 1);
   std::vector<bool> kept(graph.factor_count(), true);
