@@ -12,7 +12,6 @@
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
-#include <deque>
 #include <filesystem>
 #include <fstream>
 #include <functional>
@@ -24,6 +23,7 @@
 #include <vector>
 
 #include "benchmarks/support/daemon_run.hpp"
+#include "benchmarks/support/receipt_collector.hpp"
 #include "cairn/core/stopwatch.hpp"
 #include "cairn/graph/pose_graph.hpp"
 #include "clients/client/client.hpp"
@@ -101,31 +101,7 @@ struct Load {
 // Submits, and times each receipt.
 Load drive(Robot& robot, const Pace& pace) {
   Load load;
-  struct Sent {
-    Submission submission;
-    Clock::time_point at;
-  };
-  std::deque<Sent> waiting;
-  std::mutex mutex;
-  std::condition_variable wake;
-  bool done = false;
-  std::thread collector([&] {
-    while (true) {
-      std::unique_lock lock(mutex);
-      wake.wait(lock, [&] { return done || !waiting.empty(); });
-      if (waiting.empty()) return;
-      Sent sent = std::move(waiting.front());
-      waiting.pop_front();
-      lock.unlock();
-      wake.notify_all();
-      const Result<Receipt> receipt = sent.submission.wait(60s);
-      if (!receipt || receipt->refusal) {
-        ++load.refused;
-      } else {
-        load.latencies_s.push_back(std::chrono::duration<double>(Clock::now() - sent.at).count());
-      }
-    }
-  });
+  bench::ReceiptCollector collector;
   const auto start = Clock::now();
   const std::uint64_t first = robot.client.next_sequence() - 1;
   for (std::uint64_t i = 0; i < pace.most; ++i) {
@@ -141,17 +117,14 @@ Load drive(Robot& robot, const Pace& pace) {
       std::fprintf(stderr, "%s\n", taken.error().to_string().c_str());
       std::exit(1);
     }
-    std::unique_lock lock(mutex);
-    waiting.push_back({std::move(*taken), at});
-    wake.notify_all();
-    wake.wait(lock, [&] { return waiting.size() < 1000; });
+    collector.add(std::move(*taken), [&load, at](const Result<Receipt>& receipt) {
+      if (!receipt || receipt->refusal)
+        ++load.refused;
+      else
+        load.latencies_s.push_back(std::chrono::duration<double>(Clock::now() - at).count());
+    });
   }
-  {
-    const std::lock_guard lock(mutex);
-    done = true;
-  }
-  wake.notify_all();
-  collector.join();
+  collector.finish();
   return load;
 }
 

@@ -8,11 +8,9 @@
 #include <signal.h>
 
 #include <algorithm>
-#include <condition_variable>
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
-#include <deque>
 #include <map>
 #include <mutex>
 #include <optional>
@@ -21,6 +19,7 @@
 #include <vector>
 
 #include "benchmarks/support/daemon_run.hpp"
+#include "benchmarks/support/receipt_collector.hpp"
 #include "cairn/replay/graph_transactions.hpp"
 #include "clients/client/client.hpp"
 #include "datasets/simulate.hpp"
@@ -87,12 +86,6 @@ struct Latencies {
   std::vector<double> receipt_s, growth_s, closure_s;
 };
 
-struct Sent {
-  Submission submission;
-  Clock::time_point at;
-  bool closure;
-};
-
 // Sends the rest of the drive at the pace, and one closure a second.
 void measure(Client& client, const Drive& drive, std::size_t known, int seconds,
              Latencies& latencies) {
@@ -101,35 +94,20 @@ void measure(Client& client, const Drive& drive, std::size_t known, int seconds,
     shown.add(update.revisions.graph.number);
     solved.add(update.revisions.solved.number);
   });
-  std::mutex mutex;
-  std::condition_variable wake;
-  std::deque<Sent> waiting;
-  bool done = false;
   std::vector<std::pair<std::uint64_t, Clock::time_point>> closures;
   std::vector<std::pair<std::uint64_t, Clock::time_point>> receipts;
-  std::thread collector([&] {
-    while (true) {
-      std::unique_lock lock(mutex);
-      wake.wait(lock, [&] { return done || !waiting.empty(); });
-      if (waiting.empty()) return;
-      Sent sent = std::move(waiting.front());
-      waiting.pop_front();
-      lock.unlock();
-      const Result<Receipt> receipt = sent.submission.wait(60s);
-      const auto now = Clock::now();
-      if (!receipt || receipt->refusal) std::exit(1);
-      latencies.receipt_s.push_back(std::chrono::duration<double>(now - sent.at).count());
-      receipts.emplace_back(receipt->revision.number, now);
-      if (sent.closure) closures.emplace_back(receipt->revision.number, sent.at);
-    }
-  });
+  bench::ReceiptCollector collector;
   const auto submit = [&](const Transaction& transaction, bool closure) {
     const auto at = Clock::now();
     Result<Submission> taken = client.submit_async(transaction);
     if (!taken) std::exit(1);
-    const std::lock_guard lock(mutex);
-    waiting.push_back({std::move(*taken), at, closure});
-    wake.notify_one();
+    collector.add(std::move(*taken), [&, at, closure](const Result<Receipt>& receipt) {
+      const auto now = Clock::now();
+      if (!receipt || receipt->refusal) std::exit(1);
+      latencies.receipt_s.push_back(std::chrono::duration<double>(now - at).count());
+      receipts.emplace_back(receipt->revision.number, now);
+      if (closure) closures.emplace_back(receipt->revision.number, at);
+    });
   };
   const auto start = Clock::now();
   auto next_closure = start + 500ms;
@@ -147,12 +125,7 @@ void measure(Client& client, const Drive& drive, std::size_t known, int seconds,
       next_closure += 1s;
     }
   }
-  {
-    const std::lock_guard lock(mutex);
-    done = true;
-  }
-  wake.notify_one();
-  collector.join();
+  collector.finish();
   for (const auto& [record, at] : closures) {
     for (int i = 0; i < 10'000 && !solved.of(record); ++i) std::this_thread::sleep_for(1ms);
     if (!solved.of(record)) std::exit(1);

@@ -122,7 +122,7 @@ const std::vector<Setting>& settings() {
            "the network interface, such as eth0; empty: loopback, this machine only (radio: the "
            "machine's first)",
            64, [](auto& c) -> auto& { return c.network.interface; }),
-      number("solve", "after_pause_ms", "a solve starts when nothing has come for so long",
+      number("solve", "after_pause_ms", "the map is settled when nothing has come for so long",
              {1, 3'600'000}, [](auto& c) -> auto& { return c.service.solve_after_pause; }),
       number("solve", "every_ms",
              "what closes a loop is solved at once, but at most so often; each time the poses that "
