@@ -7,8 +7,8 @@ namespace cairn {
 namespace {
 
 // Fixed sizes: sums over chunks must not depend on the number of threads.
-constexpr std::size_t kFactorsPerChunk = 256;
-constexpr int kBlocksPerChunk = 512;
+constexpr std::size_t kFactorsPerChunk = 64;
+constexpr int kBlocksPerChunk = 128;
 
 constexpr std::size_t scratch_size(int dimension) {
   return static_cast<std::size_t>(dimension) * (static_cast<std::size_t>(dimension) + 1);
