@@ -70,10 +70,21 @@ OdometryFrame EstimatePublisher::root_of(const OdometryFrame& frame) {
   return root;
 }
 
-// Frames that factors tie together share a map, named after the first of them.
+// Frames that committed factors tie together share a map, named after the first of them. They part
+// again where these are switched off.
 void EstimatePublisher::name_maps(const PoseGraph& map) {
   for (; factors_seen_ < map.factors.size(); ++factors_seen_) {
     const StoredFactor& factor = map.factors[factors_seen_];
+    const OdometryFrame& first = map.nodes[factor.nodes[0]].id.frame;
+    const bool within = std::all_of(factor.nodes.begin(), factor.nodes.end(), [&](NodeIndex node) {
+      return map.nodes[node].id.frame == first;
+    });
+    if (!within) between_frames_.push_back(factors_seen_);
+  }
+  for (auto& [frame, parent] : joined_) parent = frame;
+  for (const std::size_t place : between_frames_) {
+    const StoredFactor& factor = map.factors[place];
+    if (factor.state != FactorState::kCommitted) continue;
     for (std::size_t k = 1; k < factor.nodes.size(); ++k) {
       const OdometryFrame a = root_of(map.nodes[factor.nodes[0]].id.frame);
       const OdometryFrame b = root_of(map.nodes[factor.nodes[k]].id.frame);

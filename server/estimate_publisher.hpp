@@ -57,6 +57,7 @@ class EstimatePublisher {
   std::map<OdometryFrame, Trajectory> poses_, landmarks_;
   ChunkedVector<Estimate> published_;  ///< by node
   std::size_t factors_seen_ = 0;
+  std::vector<std::size_t> between_frames_;        ///< places of factors that tie two frames
   std::map<OdometryFrame, OdometryFrame> joined_;  ///< union-find over frames
   OdometryFrame root_of(const OdometryFrame& frame);
 };

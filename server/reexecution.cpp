@@ -86,11 +86,15 @@ Result<void> Reexecution::execute(const Record& record) {
   if (const auto* transaction = std::get_if<TransactionRecord>(&record.body))
     return execute(*transaction, revision);
   if (const auto* solve = std::get_if<SolveRecord>(&record.body)) return execute(*solve, record);
+  if (const auto* verdict = std::get_if<VerdictRecord>(&record.body)) {
+    ++result_.verdicts;
+    verdicts_.push_back(*verdict);
+    return apply_record(record, revision.store, head_);
+  }
+  verdicts_.clear();
   if (const auto* command = std::get_if<CommandRecord>(&record.body)) {
     ++result_.commands;
     if (Result<void> same = order_again(*command, revision); !same) return same;
-  } else {
-    ++result_.verdicts;
   }
   return apply_record(record, revision.store, head_);
 }
@@ -157,6 +161,7 @@ Result<void> Reexecution::order_again(const CommandRecord& record, const Revisio
 
 Result<void> Reexecution::execute(const SolveRecord& record, const Record& whole) {
   if (Result<void> solved = solve_again(record, whole.number); !solved) return solved;
+  verdicts_.clear();
   if (Result<void> applied = apply_record(whole, journal_.head().revision.store, head_); !applied)
     return applied;
   // Poses that came during the solve were composed onto it, which rounds like the solve.
@@ -193,9 +198,11 @@ Result<void> Reexecution::solve_again(const SolveRecord& record, std::uint64_t n
     ++result_.solves_skipped;
     return {};
   }
-  const MapSolution solution = solve_map(base->second);
+  const MapSolution solution = solve_as(*kind, base->second);
+  const std::vector<VerdictRecord> verdicts = verdict_records(base->second, solution);
   if (--uses_of_base_[record.base] == 0) bases_.erase(base);
   if (!solution.usable()) return differs(number, "solved again, it does not converge");
+  if (Result<void> same = judge_verdicts(record, verdicts, number); !same) return same;
   PoseGraph again = head_.graph();
   for (const auto& [node, estimate] : kept_changes(head_.graph(), solution, *kind))
     again.estimates.edit(node) = estimate;
@@ -206,6 +213,26 @@ Result<void> Reexecution::solve_again(const SolveRecord& record, std::uint64_t n
     recorded.estimates.edit(*node) = to_estimate(changed.numbers);
   }
   return judge(record, again, recorded, number);
+}
+
+// The verdicts come right before the solve that has found them.
+Result<void> Reexecution::judge_verdicts(const SolveRecord& record,
+                                         const std::vector<VerdictRecord>& again,
+                                         std::uint64_t number) const {
+  const auto alike = [&](const VerdictRecord& a, const VerdictRecord& b) {
+    if (a.factor != b.factor || a.state != b.state || a.test != b.test ||
+        a.disagreeing != b.disagreeing)
+      return false;
+    const bool same_bits = a.value == b.value && a.threshold == b.threshold;
+    const double largest = std::max({1.0, std::abs(a.value), std::abs(a.threshold)});
+    return same_bits ||
+           (rounds_otherwise(record) && std::abs(a.value - b.value) <= kTolerance * largest &&
+            std::abs(a.threshold - b.threshold) <= kTolerance * largest);
+  };
+  if (std::equal(verdicts_.begin(), verdicts_.end(), again.begin(), again.end(), alike)) return {};
+  return differs(number, "solved again, the gate finds " + std::to_string(again.size()) +
+                             " verdicts, which are not the " + std::to_string(verdicts_.size()) +
+                             " that are recorded before it");
 }
 
 Result<void> Reexecution::judge(const SolveRecord& record, const PoseGraph& again,

@@ -51,10 +51,14 @@ class Reexecution {
   Result<void> execute(const SolveRecord& record, const Record& whole);
   Result<void> check_snapshot(std::uint64_t number);
   Result<void> solve_again(const SolveRecord& record, std::uint64_t number);
+  [[nodiscard]] Result<void> judge_verdicts(const SolveRecord& record,
+                                            const std::vector<VerdictRecord>& again,
+                                            std::uint64_t number) const;
   Result<void> judge(const SolveRecord& record, const PoseGraph& again, const PoseGraph& recorded,
                      std::uint64_t number);
 
   const Journal& journal_;
+  std::vector<VerdictRecord> verdicts_;  ///< since the last record that was none
   MapHead head_;
   Sequencer sequencer_;
   std::map<std::uint64_t, std::uint64_t> uses_of_base_;  ///< by record: solves of it to come

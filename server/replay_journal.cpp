@@ -48,11 +48,8 @@ Result<Replayed> replay_journal(const Journal& journal, MapHead& head, Sequencer
     if (on_record) on_record();
     const Revision revision{end.revision.store, record.era, record.number};
     const bool covered = snapshot && record.number <= snapshot->number;
-    Result<void> applied;
-    if (covered && record.kind() == RecordKind::kSolve)
-      head.advance(revision);
-    else
-      applied = apply_record(record, end.revision.store, head);
+    const Result<void> applied = covered ? apply_beside_estimates(record, end.revision.store, head)
+                                         : apply_record(record, end.revision.store, head);
     if (!applied) return applied;
     if (const auto* transaction = std::get_if<TransactionRecord>(&record.body))
       remember(*transaction, revision, sequencer);

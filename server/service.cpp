@@ -76,6 +76,10 @@ Result<void> Service::rebuild() {
   chi2_ = replayed->chi2;
   settled_ = chi2_.has_value();
   news_at_ = solving_from_ = unsolvable_ = 0;
+  told_verdicts_.clear();
+  for (std::uint32_t place = 0; place < head_.graph().factors.size(); ++place)
+    if (head_.graph().factors[place].state == FactorState::kQuarantined)
+      told_verdicts_.insert(place);
   snapshot_at_ = replayed->snapshot;
   return {};
 }

@@ -106,6 +106,7 @@ class Service final : private TransportListener {
   struct Solved {
     SolveKind kind;
     Revision base;
+    std::uint64_t last_input;  ///< there
     MapSolution solution;
   };
   using Message =
@@ -146,8 +147,8 @@ class Service final : private TransportListener {
   void take_solution(const Solved& solved);
   void tell_trouble(const MapSolution& solution);
   void tell_jump(const Correction& correction);
-  bool commit_solution(SolveKind kind, const Revision& base,
-                       const std::vector<std::pair<NodeIndex, Estimate>>& changed);
+  bool commit_solution(const Solved& solved);
+  void tell_verdict(const LoopVerdict& verdict);
   void carry_out(const Command& command);
   void obey(const Command& command, const Question& question);
   [[nodiscard]] bool needs_solve() const;
@@ -161,6 +162,7 @@ class Service final : private TransportListener {
   void write_snapshot(const PoseGraph& map, double chi2);
   void announce(Severity severity, std::string kind, std::string text,
                 const Revision& revision = {});
+  void announce(Event event);
   void pass(ServicePoint point) const;
   void publish_state();
   [[nodiscard]] Status make_status() const;
@@ -197,10 +199,11 @@ class Service final : private TransportListener {
   std::uint64_t news_at_ = 0;       ///< the last record that a solve is to follow at once
   std::uint64_t solving_from_ = 0;  ///< the last record that a solve has seen, or now sees
   std::chrono::steady_clock::time_point solve_began_{};
-  std::uint64_t unsolvable_ = 0;    ///< records of the map of which the last solve failed
-  std::set<NodeIndex> free_;        ///< nodes of which was told that they are free
-  std::set<std::uint32_t> broken_;  ///< factors of which was told that they cannot be solved
-  std::uint64_t snapshot_at_ = 0;   ///< the record that the newest snapshot is after
+  std::uint64_t unsolvable_ = 0;  ///< the last input of the map of which the last solve failed
+  std::set<std::uint32_t> told_verdicts_;  ///< loop closures of which was told that they are out
+  std::set<NodeIndex> free_;               ///< nodes of which was told that they are free
+  std::set<std::uint32_t> broken_;         ///< factors of which was told that they cannot be solved
+  std::uint64_t snapshot_at_ = 0;          ///< the record that the newest snapshot is after
   PayloadStore payloads_{
       journal_, transport_, options_.payloads,
       [this](Severity severity, const std::string& text) { announce(severity, "payloads", text); }};
@@ -221,6 +224,7 @@ class Service final : private TransportListener {
 
   std::atomic<std::uint64_t> events_{0};
   std::atomic<bool> abandon_solve_{false};
+  std::atomic<bool> give_way_{false};      ///< news has come: a solve of everything can wait
   std::atomic<bool> solver_works_{false};  ///< written under mutex_
   bool solving_ = false;                   ///< of the deciding thread
   std::thread solver_;

@@ -25,17 +25,18 @@ bool may_move_the_past(const Transaction& transaction) {
 
 }  // namespace
 
-// A solve's own record comes right after what it has seen.
 bool Service::needs_solve() const {
   const PoseGraph& map = head_.graph();
   if (map.factors.size() == 0) return false;
-  return !settled_ || refill_.active() ||
-         map.solved_revision.number + 1 < map.graph_revision.number;
+  return !settled_ || refill_.active() || map.solved_revision.number < head_.last_input();
 }
 
-// Of the record that comes as `number`.
+// Of the record that comes as `number`. A solve of all of it, which may take long, is begun again
+// later: what has come goes first.
 void Service::note_news(const Transaction& transaction, std::uint64_t number) {
-  if (may_move_the_past(transaction)) news_at_ = number;
+  if (!may_move_the_past(transaction)) return;
+  news_at_ = number;
+  if (awaiting_solution_.empty()) give_way_ = true;
 }
 
 bool Service::awaits_live_solve() const {
@@ -48,7 +49,7 @@ void Service::solve_when_due() {
   if (disk_ == DiskSpace::kFull) return refuse_to_solve();
   if (solver_works_ || solving_ || refill_.active()) return;
   // What could not be solved is tried again when something has changed, or when somebody asks.
-  const bool hopeless = unsolvable_ == head_.graph().graph_revision.number;
+  const bool hopeless = unsolvable_ == head_.last_input();
   if (needs_solve() && ((idle && !hopeless) || !awaiting_solution_.empty()))
     start_solve(SolveKind::kSettled);
   else if (awaits_live_solve() && now >= solve_began_ + options_.solve_every)
@@ -66,15 +67,17 @@ void Service::refuse_to_solve() {
 
 void Service::start_solve(SolveKind kind) {
   solving_ = true;
+  give_way_ = false;
   solving_from_ = head_.graph().graph_revision.number;
   solve_began_ = std::chrono::steady_clock::now();
-  on_solver_thread([this, kind, base = head_.graph()] {
-    const auto keep_going = [this] {
+  on_solver_thread([this, kind, base = head_.graph(), input = head_.last_input()] {
+    const auto keep_going = [this, kind] {
       pass(ServicePoint::kSolving);
-      return !abandon_solve_;
+      return !abandon_solve_ && !(kind == SolveKind::kSettled && give_way_);
     };
     pass(ServicePoint::kSolving);  // a start that is the solution has no iterations
-    return std::make_unique<Solved>(Solved{kind, base.graph_revision, solve_map(base, keep_going)});
+    return std::make_unique<Solved>(
+        Solved{kind, base.graph_revision, input, solve_as(kind, base, keep_going)});
   });
 }
 
@@ -118,13 +121,10 @@ void Service::take_solution(const Solved& solved) {
   const MapSolution& solution = solved.solution;
   const SolveSummary& whole = solution.whole;
   if (whole.stop_reason == StopReason::kInterrupted) return;
-  std::uint64_t seen = solved.base.number;  // its own record, too
   if (solution.usable()) {
-    const auto changed = kept_changes(head_.graph(), solution, solved.kind);
-    if (!changed.empty() || head_.graph().solved_revision.number + 1 < solved.base.number) {
-      if (!commit_solution(solved.kind, solved.base, changed)) return;
-      ++seen;
-    }
+    if (is_news(head_.graph(), solution, solved.kind, solved.last_input) &&
+        !commit_solution(solved))
+      return;
     chi2_ = solution.chi2;
     publish_estimate();
     state_changed_ = true;
@@ -132,7 +132,7 @@ void Service::take_solution(const Solved& solved) {
   settled_ = whole.usable() && solved.kind == SolveKind::kSettled;
   tell_trouble(solution);
   if (!whole.usable()) {
-    unsolvable_ = seen;
+    unsolvable_ = solved.last_input;
     for (const Command& command : std::exchange(awaiting_solution_, {}))
       transport_.reply({command.key, ErrorCode::kNotUsable, unsettled_text(whole)});
     return;
@@ -155,17 +155,40 @@ void Service::tell_trouble(const MapSolution& solution) {
   announce(Severity::kWarning, "under_constrained", describe(solution.free, head_, journal_), at);
 }
 
-bool Service::commit_solution(SolveKind kind, const Revision& base,
-                              const std::vector<std::pair<NodeIndex, Estimate>>& changed) {
+bool Service::commit_solution(const Solved& solved) {
   Revision next = journal_.head().revision;
   ++next.number;
-  const std::vector<RecordBody> records{apply_solve(head_, base, changed, next, kind)};
+  const std::vector<RecordBody> records =
+      apply_solution(head_, solved.base, solved.solution, next, solved.kind);
   pass(ServicePoint::kBeforeCommit);
   const Result<Revision> appended = journal_.append(records);
   pass(ServicePoint::kCommitted);
-  if (appended) return true;
-  fall_back(appended.error());
-  return false;
+  if (!appended) {
+    fall_back(appended.error());
+    return false;
+  }
+  for (const LoopVerdict& verdict : solved.solution.verdicts) tell_verdict(verdict);
+  return true;
+}
+
+// What goes the usual way is not told: a loop closure came, and fits.
+void Service::tell_verdict(const LoopVerdict& verdict) {
+  const StoredFactor& factor = head_.graph().factors[verdict.factor];
+  const bool was_told = told_verdicts_.contains(verdict.factor);
+  if (verdict.state == FactorState::kCommitted && !was_told) return;
+  constexpr const char* kKinds[] = {"loop_pending", "loop_committed", "loop_quarantined"};
+  Event event;
+  event.severity =
+      verdict.state == FactorState::kQuarantined ? Severity::kWarning : Severity::kInfo;
+  event.kind = kKinds[static_cast<int>(verdict.state)];
+  event.revision = head_.graph().graph_revision;
+  event.factor = factor.name;
+  event.text = describe(verdict, head_);
+  if (verdict.state == FactorState::kCommitted)
+    told_verdicts_.erase(verdict.factor);
+  else
+    told_verdicts_.insert(verdict.factor);
+  announce(std::move(event));
 }
 
 }  // namespace cairn

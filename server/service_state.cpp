@@ -78,12 +78,17 @@ void Service::on_trouble(Error error) {
 void Service::announce(Severity severity, std::string kind, std::string text,
                        const Revision& revision) {
   Event event;
-  event.number = ++events_;
-  event.time_ns = wall_clock_ns();
   event.severity = severity;
   event.kind = std::move(kind);
   event.revision = revision;
   event.text = std::move(text);
+  announce(std::move(event));
+}
+
+// Numbered and stamped here.
+void Service::announce(Event event) {
+  event.number = ++events_;
+  event.time_ns = wall_clock_ns();
   if (options_.on_event) options_.on_event(event);
   transport_.publish(event);
 }
@@ -145,9 +150,14 @@ Status Service::make_status() const {
   status.datum = head_.graph().datum;
   status.memory_bytes = resident_bytes();
   status.disk_free_bytes = journal_.free_bytes();
-  if (!damage_.empty()) status.message = "the store was damaged: " + damage_;
-  if (disk_ != DiskSpace::kPlenty)
-    status.message += (status.message.empty() ? "" : "; ") + std::string("the disk is nearly full");
+  const auto mention = [&](const std::string& what) {
+    status.message += (status.message.empty() ? "" : "; ") + what;
+  };
+  if (!damage_.empty()) mention("the store was damaged: " + damage_);
+  if (disk_ != DiskSpace::kPlenty) mention("the disk is nearly full");
+  if (const std::size_t count = head_.quarantined(); count > 0)
+    mention(std::to_string(count) + (count == 1 ? " loop closure is" : " loop closures are") +
+            " quarantined (cairn log --kind verdict)");
   std::map<std::string, SourceStatus> sources;
   for (const auto& [name, counters] : sequencer_.counters())
     sources[name] = status_of(name, counters);

@@ -220,6 +220,12 @@ const FactorTypeInfo* find_factor_type(FactorType type) {
   return codec == nullptr ? nullptr : &codec->info;
 }
 
+bool is_gated(FactorType type, FactorKind kind) {
+  const std::vector<VariableType>& signature = find_factor_type(type)->signature;
+  return kind == FactorKind::kLoop && signature.size() == 2 && is_pose(signature[0]) &&
+         is_pose(signature[1]);
+}
+
 NewFactor describe_factor(const Graph& graph, FactorRef ref) {
   const FactorBatch& batch = *graph.batches()[ref.batch];
   NewFactor factor;

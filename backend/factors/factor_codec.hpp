@@ -28,6 +28,9 @@ std::span<const FactorTypeInfo> factor_types();
 /// Null where the number is of no known type.
 const FactorTypeInfo* find_factor_type(FactorType type);
 
+/// Loop closures between two poses: those about which the gate decides.
+bool is_gated(FactorType type, FactorKind kind);
+
 /// A factor of a graph as numbers (m, rad), without its nodes.
 NewFactor describe_factor(const Graph& graph, FactorRef factor);
 

@@ -24,7 +24,8 @@ struct StoredNode {
   std::vector<double> odometry;
 };
 
-/// Whether a factor takes part in the estimate: committed ones do. Numbers are those of the
+/// Whether a factor takes part in the estimate: committed ones do. A loop closure is pending until
+/// the gate has decided, and quarantined where it contradicts the rest. Numbers are those of the
 /// journal.
 enum class FactorState : std::uint8_t {
   kPending = 0,
@@ -33,6 +34,11 @@ enum class FactorState : std::uint8_t {
   kDisabled = 3,
   kRemoved = 4,
 };
+
+/// Nobody has switched it off: the gate decides whether it takes part.
+constexpr bool is_enabled(FactorState state) {
+  return state != FactorState::kDisabled && state != FactorState::kRemoved;
+}
 
 struct StoredFactor {
   FactorName name;
@@ -52,6 +58,9 @@ using Estimate = std::array<double, 7>;
 struct PoseGraph {
   Revision graph_revision;   ///< last record that is in here
   Revision solved_revision;  ///< what the estimates of the last solve were computed from
+  std::size_t first_unsolved_factor =
+      0;                              ///< place in `factors`: those from here on came since then
+  bool switched_since_solve = false;  ///< factors were switched on or off since then
   ChunkedVector<StoredNode> nodes;
   ChunkedVector<Estimate> estimates;  ///< by node: T_map_body or p_map
   ChunkedVector<StoredFactor> factors;

@@ -2,6 +2,8 @@
 #include "cairn/history/apply_record.hpp"
 
 #include "cairn/history/order.hpp"
+#include "cairn/history/record_json.hpp"
+#include "cairn/history/solve_record.hpp"
 #include "cairn/replay/estimate.hpp"
 
 namespace cairn {
@@ -25,6 +27,10 @@ Result<void> apply(const TransactionRecord& record, const Revision& revision, Ma
   return {};
 }
 
+void commit_what_no_gate_saw(const SolveRecord& record, const Revision& base, MapHead& head) {
+  if (SolveSettings::parse(record.settings).ungated()) head.commit_loops(base);
+}
+
 Result<void> apply(const SolveRecord& record, const Revision& revision, MapHead& head) {
   std::vector<std::pair<NodeIndex, Estimate>> changed;
   changed.reserve(record.changed.size());
@@ -36,6 +42,14 @@ Result<void> apply(const SolveRecord& record, const Revision& revision, MapHead&
   Revision base = revision;
   base.number = record.base;
   head.apply_estimates(changed, base, revision);
+  commit_what_no_gate_saw(record, base, head);
+  return {};
+}
+
+Result<void> apply(const VerdictRecord& record, const Revision& revision, MapHead& head) {
+  const auto factor = head.find(record.factor);
+  if (!factor) return broken(revision.number, "no factor " + to_string(record.factor));
+  head.judge(*factor, record.state, revision);
   return {};
 }
 
@@ -58,7 +72,14 @@ Result<void> apply_record(const Record& record, std::uint64_t store, MapHead& he
     return apply(*solve, revision, head);
   if (const auto* command = std::get_if<CommandRecord>(&record.body))
     return apply(*command, revision, head);
-  head.advance(revision);  // verdicts do not change the map yet
+  return apply(std::get<VerdictRecord>(record.body), revision, head);
+}
+
+Result<void> apply_beside_estimates(const Record& record, std::uint64_t store, MapHead& head) {
+  const auto* solve = std::get_if<SolveRecord>(&record.body);
+  if (solve == nullptr) return apply_record(record, store, head);
+  commit_what_no_gate_saw(*solve, {store, record.era, solve->base}, head);
+  head.pass_over({store, record.era, record.number});
   return {};
 }
 

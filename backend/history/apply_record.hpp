@@ -17,6 +17,9 @@ using KeepGoing = std::function<bool()>;
 /// where the record does not fit the head.
 Result<void> apply_record(const Record& record, std::uint64_t store, MapHead& head);
 
+/// The same without the estimates of solves: for a head that is to get them from a snapshot.
+Result<void> apply_beside_estimates(const Record& record, std::uint64_t store, MapHead& head);
+
 /// The map after each of these records (ascending; 0: the empty map). kUsage where there is no such
 /// record.
 Result<std::vector<PoseGraph>> maps_at(const Journal& journal,

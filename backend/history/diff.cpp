@@ -57,7 +57,8 @@ Difference compare(const PoseGraph& a, const PoseGraph& b) {
     const StoredFactor& now = b.factors[f];
     const bool is_new = f >= a.factors.size();
     if (is_new) difference.factors_added.push_back(to_string(now.name));
-    if (is_new ? now.state != FactorState::kCommitted : now.state != a.factors[f].state)
+    const FactorState before = is_new ? FactorState::kCommitted : a.factors[f].state;
+    if (now.state != before && !(is_new && now.state == FactorState::kPending))
       difference.factors_changed[std::string(to_string(now.state))].push_back(to_string(now.name));
   }
   return difference;

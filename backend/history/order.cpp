@@ -26,7 +26,7 @@ bool is_so(FactorState state, FactorChange change) {
     case FactorChange::kDisable:
       return state == FactorState::kDisabled;
     case FactorChange::kEnable:
-      return state == FactorState::kCommitted;
+      return is_enabled(state);
     case FactorChange::kRemove:
       break;
   }

@@ -12,10 +12,13 @@
 
 namespace cairn {
 
-/// What is kept of a solve.
+/// How a map is solved, and what is kept of it.
 enum class SolveKind {
-  kSettled,  ///< every bit: the map is the settled estimate
-  kLive,  ///< while input goes on, changes over kLiveTolerance: the others would fill the journal
+  kSettled,  ///< every loop closure is judged anew, every bit is kept: the settled estimate
+  kLive,     ///< while input goes on: the quick gate, changes over kLiveTolerance (the others would
+             ///< fill the journal)
+  kUngated,  ///< of early journals: as kSettled, with every loop closure in it
+  kUngatedLive,  ///< and as kLive
 };
 constexpr double kLiveTolerance = 1e-6;  ///< m, rad, parts of a quaternion
 
@@ -30,22 +33,34 @@ struct SolveSettings {
   [[nodiscard]] std::string to_string() const { return method + "; " + platform; }
   /// Nothing where this version does not know the method.
   [[nodiscard]] std::optional<SolveKind> kind() const;
+  /// Its estimates have every loop closure in them.
+  [[nodiscard]] bool ungated() const;
   friend bool operator==(const SolveSettings&, const SolveSettings&) = default;
 };
 
 /// Of all estimates, in the order in which nodes arrived.
 ContentHash hash_estimates(const PoseGraph& map);
 
+/// solve_map() as a solve of that kind does.
+MapSolution solve_as(SolveKind kind, const PoseGraph& map,
+                     const std::function<bool()>& keep_going = {});
+
 /// What is kept of a solve, by node.
 std::vector<std::pair<NodeIndex, Estimate>> kept_changes(const PoseGraph& map,
                                                          const MapSolution& solution,
                                                          SolveKind kind);
 
-/// Takes what is kept of a solve of the map at `base` into the head, as revision `next`. Gives its
-/// record.
-SolveRecord apply_solve(MapHead& head, const Revision& base,
-                        const std::vector<std::pair<NodeIndex, Estimate>>& changed,
-                        const Revision& next, SolveKind kind = SolveKind::kSettled);
+/// The verdicts of a solve, as records.
+std::vector<VerdictRecord> verdict_records(const PoseGraph& map, const MapSolution& solution);
+
+/// Takes what is kept of a solve of the map at `base` into the head, from revision `next` on. Gives
+/// its records, to be appended together: its verdicts, then the solve itself.
+std::vector<RecordBody> apply_solution(MapHead& head, const Revision& base,
+                                       const MapSolution& solution, Revision next,
+                                       SolveKind kind = SolveKind::kSettled);
+/// Whether there is anything to apply: something changed, or input has come since the last solve.
+bool is_news(const PoseGraph& map, const MapSolution& solution, SolveKind kind,
+             std::uint64_t last_input_at_base);
 
 /// "settled at REVISION, chi2 X": the answer to `settle`.
 std::string settled_text(const Revision& revision, double chi2);

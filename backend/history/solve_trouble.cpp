@@ -5,6 +5,8 @@
 #include <cmath>
 #include <cstdio>
 
+#include "cairn/history/record_json.hpp"
+
 namespace cairn {
 namespace {
 
@@ -55,6 +57,23 @@ std::string describe(const UnsolvedPart& part, const MapHead& head, const Journa
          std::to_string(map.factors[part.worst_factor].name.index) + " in " +
          name_record(head.record_of_factor(part.worst_factor), journal) +
          ": cairn undo takes it back";
+}
+
+std::string describe(const LoopVerdict& verdict, const MapHead& head) {
+  const PoseGraph& map = head.graph();
+  const auto name = [&](std::uint32_t factor) {
+    return "record " + std::to_string(head.record_of_factor(factor)) + " (factor " +
+           std::to_string(map.factors[factor].name.index) + ')';
+  };
+  const std::vector<NodeIndex>& nodes = map.factors[verdict.factor].nodes;
+  char numbers[64];
+  std::snprintf(numbers, sizeof numbers, ": %.4g (limit %.4g)", verdict.value, verdict.threshold);
+  std::string text = "the loop closure " + to_string(map.nodes[nodes.front()].id) + " - " +
+                     to_string(map.nodes[nodes.back()].id) + " of " + name(verdict.factor) +
+                     " is " + std::string(to_string(verdict.state)) + ", " + verdict.test + numbers;
+  for (std::size_t i = 0; i < verdict.against.size(); ++i)
+    text += (i == 0 ? "; contradicted by " : ", ") + name(verdict.against[i]);
+  return text;
 }
 
 std::string describe(const std::vector<FreeNode>& free, const MapHead& head,

@@ -18,4 +18,8 @@ std::string describe(const UnsolvedPart& part, const MapHead& head, const Journa
 std::string describe(const std::vector<FreeNode>& free, const MapHead& head,
                      const Journal& journal);
 
+/// "the loop closure robot/1/4 - robot/1/90 of record 12 (factor 0) is quarantined, does not fit
+/// the map: 512 (limit 99.4); contradicted by record 9 (factor 0)".
+std::string describe(const LoopVerdict& verdict, const MapHead& head);
+
 }  // namespace cairn

@@ -13,6 +13,10 @@ namespace {
 
 constexpr std::size_t kMaxName = 64;
 
+FactorState first_state(FactorType type, FactorKind kind) {
+  return is_gated(type, kind) ? FactorState::kPending : FactorState::kCommitted;
+}
+
 std::optional<Refusal> check_name(std::string_view what, const std::string& name) {
   if (!name.empty() && name.size() <= kMaxName) return std::nullopt;
   return Refusal{
@@ -152,8 +156,13 @@ std::optional<Estimate> MapHead::composed(NodeIndex node) const {
                  forward);
 }
 
-void MapHead::apply(const Transaction& transaction, const Revision& revision) {
+void MapHead::advance(const Revision& revision) {
   graph_.graph_revision = revision;
+  last_input_ = revision.number;
+}
+
+void MapHead::apply(const Transaction& transaction, const Revision& revision) {
+  advance(revision);
   const auto first_new = static_cast<NodeIndex>(graph_.nodes.size());
   const auto first_factor = static_cast<std::uint32_t>(graph_.factors.size());
   for (const NewVariable& variable : transaction.variables) {
@@ -170,8 +179,9 @@ void MapHead::apply(const Transaction& transaction, const Revision& revision) {
     first_factor_of_.emplace(transaction.key, graph_.factors.size());
   for (std::uint32_t i = 0; i < transaction.factors.size(); ++i) {
     const NewFactor& factor = transaction.factors[i];
-    StoredFactor stored{{transaction.key, i},    factor.type, factor.kind,
-                        FactorState::kCommitted, {},          factor.numbers};
+    StoredFactor stored{
+        {transaction.key, i}, factor.type, factor.kind, first_state(factor.type, factor.kind), {},
+        factor.numbers};
     for (const NodeId& node : factor.nodes) stored.nodes.push_back(*find(node));
     if (const auto datum = datum_of(factor)) graph_.datum = datum;
     graph_.factors.push_back(std::move(stored));
@@ -184,11 +194,45 @@ void MapHead::apply(const Transaction& transaction, const Revision& revision) {
 }
 
 void MapHead::apply(std::span<const FactorEdit> edits, const Revision& revision) {
-  graph_.graph_revision = revision;
-  constexpr FactorState kStates[] = {FactorState::kDisabled, FactorState::kCommitted,
-                                     FactorState::kRemoved};
-  for (const FactorEdit& edit : edits)
-    graph_.factors.edit(*find(edit.factor)).state = kStates[static_cast<int>(edit.change)];
+  advance(revision);
+  for (const FactorEdit& edit : edits) {
+    const std::size_t place = *find(edit.factor);
+    const StoredFactor& factor = graph_.factors[place];
+    switch (edit.change) {
+      case FactorChange::kDisable:
+        set_state(place, FactorState::kDisabled);
+        break;
+      case FactorChange::kEnable:
+        if (!is_enabled(factor.state)) set_state(place, first_state(factor.type, factor.kind));
+        break;
+      case FactorChange::kRemove:
+        set_state(place, FactorState::kRemoved);
+        break;
+    }
+  }
+  if (edits.empty()) return;
+  last_switch_ = revision.number;
+  graph_.switched_since_solve = true;
+}
+
+void MapHead::judge(std::size_t factor, FactorState state, const Revision& revision) {
+  pass_over(revision);
+  if (is_enabled(graph_.factors[factor].state)) set_state(factor, state);
+}
+
+void MapHead::set_state(std::size_t factor, FactorState state) {
+  StoredFactor& stored = graph_.factors.edit(factor);
+  if (stored.state == FactorState::kQuarantined) --quarantined_;
+  if (state == FactorState::kQuarantined) ++quarantined_;
+  stored.state = state;
+}
+
+void MapHead::commit_loops(const Revision& base) {
+  for (std::size_t place = 0; place < graph_.factors.size(); ++place) {
+    if (record_of_factor_[place] > base.number) return;
+    if (graph_.factors[place].state == FactorState::kPending)
+      set_state(place, FactorState::kCommitted);
+  }
 }
 
 std::optional<std::size_t> MapHead::find(const FactorName& factor) const {
@@ -217,7 +261,7 @@ MapHead::Consequences MapHead::consequences_of(std::uint64_t record) const {
     if (depends) gone.insert(own);
   }
   for (std::size_t f = factors_of(record).first; f < graph_.factors.size(); ++f) {
-    if (gone.contains(record_of_factor_[f]) && graph_.factors[f].state == FactorState::kCommitted)
+    if (gone.contains(record_of_factor_[f]) && is_enabled(graph_.factors[f].state))
       found.factors.push_back(f);
   }
   for (const auto& [place, by] : switched_by_)
@@ -230,12 +274,20 @@ MapHead::Consequences MapHead::consequences_of(std::uint64_t record) const {
 void MapHead::apply_estimates(std::span<const std::pair<NodeIndex, Estimate>> changed,
                               const Revision& base, const Revision& revision) {
   for (const auto& [node, estimate] : changed) graph_.estimates.edit(node) = estimate;
-  graph_.solved_revision = base;
-  graph_.graph_revision = revision;
+  take_as_solved(base);
+  pass_over(revision);
   const auto first_since =
       std::partition_point(arrivals_.begin(), arrivals_.end(),
                            [&](const Arrival& arrival) { return arrival.number <= base.number; });
   compose_from(static_cast<NodeIndex>(first_since - arrivals_.begin()));
+}
+
+void MapHead::take_as_solved(const Revision& base) {
+  graph_.solved_revision = base;
+  const auto first =
+      std::upper_bound(record_of_factor_.begin(), record_of_factor_.end(), base.number);
+  graph_.first_unsolved_factor = static_cast<std::size_t>(first - record_of_factor_.begin());
+  graph_.switched_since_solve = last_switch_ > base.number;
 }
 
 void MapHead::compose_from(NodeIndex first) {
@@ -249,7 +301,7 @@ void MapHead::restore_estimates(std::span<const Estimate> estimates, const Revis
   CAIRN_CHECK(estimates.size() == graph_.nodes.size(), "one estimate for each node");
   for (NodeIndex node = 0; node < estimates.size(); ++node)
     graph_.estimates.edit(node) = estimates[node];
-  graph_.solved_revision = solved;
+  take_as_solved(solved);
 }
 
 }  // namespace cairn

@@ -34,8 +34,18 @@ class MapHead {
   /// that have come since onto them.
   void apply_estimates(std::span<const std::pair<NodeIndex, Estimate>> changed,
                        const Revision& base, const Revision& revision);
-  /// A record that changes neither graph nor estimates.
-  void advance(const Revision& revision) { graph_.graph_revision = revision; }
+  /// The gate's word on a loop closure; nothing happens to one that somebody has switched off.
+  void judge(std::size_t factor, FactorState state, const Revision& revision);
+  /// Everything that was pending at the base of a solve that asked no gate.
+  void commit_loops(const Revision& base);
+  /// A record of input that changes neither graph nor estimates.
+  void advance(const Revision& revision);
+  /// Any other that changes nothing.
+  void pass_over(const Revision& revision) { graph_.graph_revision = revision; }
+  /// How many loop closures the gate has quarantined.
+  [[nodiscard]] std::size_t quarantined() const { return quarantined_; }
+  /// The last record that was no solve and no verdict.
+  [[nodiscard]] std::uint64_t last_input() const { return last_input_; }
   /// Puts estimates in place of all, as a snapshot of them says; one for each node.
   void restore_estimates(std::span<const Estimate> estimates, const Revision& solved);
 
@@ -74,6 +84,8 @@ class MapHead {
                                                             const Transaction& transaction) const;
   [[nodiscard]] std::optional<Estimate> composed(NodeIndex node) const;
   void compose_from(NodeIndex first);
+  void take_as_solved(const Revision& base);
+  void set_state(std::size_t factor, FactorState state);
   [[nodiscard]] bool is_own(const NodeId& node, const Transaction& transaction) const;
 
   // How a node came to be where it is until a solve has seen it.
@@ -87,6 +99,9 @@ class MapHead {
   PoseGraph graph_;
   std::vector<Arrival> arrivals_;                ///< by node
   std::vector<std::uint64_t> record_of_factor_;  ///< by place in graph_.factors; ascending
+  std::uint64_t last_input_ = 0;
+  std::size_t quarantined_ = 0;
+  std::uint64_t last_switch_ = 0;  ///< the last record that switched factors
   /// By place of a factor, the last record of a transaction that switched it.
   std::map<std::size_t, std::uint64_t> switched_by_;
   std::unordered_map<NodeId, NodeIndex> index_of_node_;

@@ -5,11 +5,13 @@
 #include <cmath>
 #include <map>
 #include <tuple>
+#include <utility>
 
 #include "cairn/core/bytes.hpp"
 #include "cairn/core/content_hash.hpp"
 #include "cairn/factors/factor_codec.hpp"
 #include "cairn/replay/estimate.hpp"
+#include "cairn/solver/loop_gate.hpp"
 #include "cairn/solver/optimize.hpp"
 
 namespace cairn {
@@ -55,9 +57,9 @@ std::map<OdometryFrame, EpochRank> rank_epochs(const PoseGraph& map,
 std::vector<NodeIndex> nodes_that_count(const PoseGraph& map) {
   std::vector<bool> had_factor(map.nodes.size()), has_factor(map.nodes.size());
   for (std::uint32_t f = 0; f < map.factors.size(); ++f) {
-    const bool committed = map.factors[f].state == FactorState::kCommitted;
+    const bool enabled = is_enabled(map.factors[f].state);
     for (const NodeIndex node : map.factors[f].nodes)
-      (committed ? has_factor : had_factor)[node] = true;
+      (enabled ? has_factor : had_factor)[node] = true;
   }
   std::vector<NodeIndex> nodes;
   for (NodeIndex i = 0; i < map.nodes.size(); ++i)
@@ -78,7 +80,8 @@ std::vector<NodeIndex> order_nodes(const PoseGraph& map) {
 }
 
 std::vector<std::uint32_t> order_factors(const PoseGraph& map,
-                                         const std::vector<std::uint32_t>& place_of_node) {
+                                         const std::vector<std::uint32_t>& place_of_node,
+                                         const std::function<bool(std::uint32_t)>& takes_part) {
   struct Key {
     std::vector<std::uint32_t> places;
     FactorType type;
@@ -88,8 +91,8 @@ std::vector<std::uint32_t> order_factors(const PoseGraph& map,
   };
   std::vector<Key> keys;
   for (std::uint32_t f = 0; f < map.factors.size(); ++f) {
+    if (!takes_part(f)) continue;
     const StoredFactor& factor = map.factors[f];
-    if (factor.state != FactorState::kCommitted) continue;
     Key key{{}, factor.type, factor.kind, bytes_of(factor.numbers), f};
     for (const NodeIndex node : factor.nodes) key.places.push_back(place_of_node[node]);
     keys.push_back(std::move(key));
@@ -110,6 +113,44 @@ std::vector<std::uint32_t> inverse(const std::vector<NodeIndex>& order, const Po
   return place;
 }
 
+// Numbers of the nodes' frames, by place.
+std::vector<std::uint32_t> frames_of(const PoseGraph& map, const CanonicalOrder& part) {
+  std::map<OdometryFrame, std::uint32_t> numbers;
+  std::vector<std::uint32_t> frames;
+  for (const NodeIndex node : part.nodes) {
+    const auto next = static_cast<std::uint32_t>(numbers.size());
+    frames.push_back(numbers.emplace(map.nodes[node].id.frame, next).first->second);
+  }
+  return frames;
+}
+
+// Fills the verdicts, and takes what the gate has left out from the order and the graph.
+void take_verdicts(const PoseGraph& map, const GatedSolution& solution, SettledEstimate& settled) {
+  const std::vector<std::uint32_t> places = std::exchange(settled.order.factors, {});
+  std::vector<bool> kept(places.size(), true);
+  for (const LeftOutLoop& loop : solution.left_out) {
+    kept[loop.factor] = false;
+    const bool waits = loop.test == GateTest::kTooFew;
+    LoopVerdict verdict{places[loop.factor],
+                        waits ? FactorState::kPending : FactorState::kQuarantined,
+                        std::string(to_string(loop.test)), loop.value, loop.threshold};
+    for (const std::size_t other : loop.against) verdict.against.push_back(places[other]);
+    settled.verdicts.push_back(std::move(verdict));
+  }
+  for (std::size_t i = 0; i < places.size(); ++i) {
+    if (!kept[i]) continue;
+    settled.order.factors.push_back(places[i]);
+    if (!is_gated(map.factors[places[i]].type, map.factors[places[i]].kind)) continue;
+    const auto [batch, index] = settled.graph.factors()[i];
+    double chi2 = 0.0;
+    settled.graph.batches()[batch]->evaluate_chi2(index, index + 1, {settled.graph.values()},
+                                                  &chi2);
+    settled.verdicts.push_back(
+        {places[i], FactorState::kCommitted, "fits the map", chi2, solution.threshold});
+  }
+  if (!solution.left_out.empty()) settled.graph = settled.graph.with_factors(kept);
+}
+
 bool differs(const Estimate& a, const Estimate& b, double tolerance) {
   return !std::equal(a.begin(), a.end(), b.begin(),
                      [&](double x, double y) { return std::abs(x - y) <= tolerance; });
@@ -118,7 +159,11 @@ bool differs(const Estimate& a, const Estimate& b, double tolerance) {
 }  // namespace
 
 CanonicalOrder::CanonicalOrder(const PoseGraph& map)
-    : nodes(order_nodes(map)), factors(order_factors(map, inverse(nodes, map))) {}
+    : CanonicalOrder(map, [&](std::uint32_t f) { return is_enabled(map.factors[f].state); }) {}
+
+CanonicalOrder::CanonicalOrder(const PoseGraph& map,
+                               const std::function<bool(std::uint32_t)>& takes_part)
+    : nodes(order_nodes(map)), factors(order_factors(map, inverse(nodes, map), takes_part)) {}
 
 Graph canonical_graph(const PoseGraph& map, const CanonicalOrder& order) {
   Graph graph;
@@ -143,17 +188,28 @@ Graph canonical_graph(const PoseGraph& map, const CanonicalOrder& order) {
   return graph;
 }
 
-SettledEstimate settle(const PoseGraph& map, const std::function<bool()>& keep_going) {
-  return settle(map, CanonicalOrder(map), keep_going);
+SolveOptions settle_options(const std::function<bool()>& keep_going) {
+  SolveOptions options{.kernel = Kernel::kPortable, .init = InitMethod::kAuto};
+  if (keep_going) options.on_iteration = [keep_going](int, const auto&) { return keep_going(); };
+  return options;
 }
 
-SettledEstimate settle(const PoseGraph& map, CanonicalOrder part,
+SettledEstimate settle(const PoseGraph& map, const std::function<bool()>& keep_going) {
+  return settle(map, CanonicalOrder(map), Gate::kWhole, keep_going);
+}
+
+SettledEstimate settle(const PoseGraph& map, CanonicalOrder part, Gate gate,
                        const std::function<bool()>& keep_going) {
   Graph graph = canonical_graph(map, part);
-  SolveOptions options{.kernel = Kernel::kPortable, .init = InitMethod::kAuto};
-  if (keep_going) options.on_iteration = [&](int, const IterationReport&) { return keep_going(); };
-  SolveSummary summary = optimize(graph, options);
-  return {std::move(part), std::move(graph), std::move(summary)};
+  if (gate == Gate::kOpen) {
+    SolveSummary summary = optimize(graph, settle_options(keep_going));
+    return {std::move(part), std::move(graph), std::move(summary)};
+  }
+  const GateOptions options{kLoopsThatMerge, frames_of(map, part), keep_going};
+  GatedSolution solution = solve_gated(graph, settle_options(keep_going), options);
+  SettledEstimate settled{std::move(part), std::move(graph), std::move(solution.summary)};
+  if (settled.summary.usable()) take_verdicts(map, solution, settled);
+  return settled;
 }
 
 std::vector<std::pair<NodeIndex, Estimate>> estimates_of(const SettledEstimate& settled) {

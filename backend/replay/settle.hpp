@@ -2,10 +2,12 @@
 #pragma once
 
 #include <functional>
+#include <string>
 #include <vector>
 
 #include "cairn/graph/graph.hpp"
 #include "cairn/graph/pose_graph.hpp"
+#include "cairn/solver/solve_options.hpp"
 #include "cairn/solver/solve_summary.hpp"
 
 namespace cairn {
@@ -15,10 +17,22 @@ namespace cairn {
 /// index; factors by their nodes, type and content. Arrival order, keys and times take no part.
 struct CanonicalOrder {
   std::vector<NodeIndex> nodes;        ///< but those whose factors are all switched off
-  std::vector<std::uint32_t> factors;  ///< places in PoseGraph::factors; committed ones only
+  std::vector<std::uint32_t> factors;  ///< places in PoseGraph::factors; not switched off
 
   CanonicalOrder() = default;
   explicit CanonicalOrder(const PoseGraph& map);
+  /// Only those that `takes_part` (a place in PoseGraph::factors).
+  CanonicalOrder(const PoseGraph& map, const std::function<bool(std::uint32_t)>& takes_part);
+};
+
+/// What the gate says of a loop closure.
+struct LoopVerdict {
+  std::uint32_t factor = 0;  ///< place in PoseGraph::factors
+  FactorState state = FactorState::kPending;
+  std::string test;                      ///< in words
+  double value = 0.0;                    ///< that was tested
+  double threshold = 0.0;                ///< against this
+  std::vector<std::uint32_t> against{};  ///< loops that contradict it
 };
 
 /// The enabled part of a map as a graph whose variable ids are places in the canonical order, at
@@ -27,18 +41,31 @@ Graph canonical_graph(const PoseGraph& map, const CanonicalOrder& order);
 
 /// The settled estimate: a function of the set of nodes and enabled factors only, bit for bit.
 struct SettledEstimate {
-  CanonicalOrder order;
-  Graph graph;           ///< as canonical_graph(), optimized
-  SolveSummary summary;  ///< not usable: take nothing from `graph`
+  CanonicalOrder order;                 ///< without the factors that the gate has left out
+  Graph graph;                          ///< as canonical_graph(), optimized
+  SolveSummary summary;                 ///< not usable: take nothing from the rest
+  std::vector<LoopVerdict> verdicts{};  ///< of every loop closure between poses that is enabled
+};
+
+/// How many loop closures tie two robots, or two odometry epochs, into one map.
+inline constexpr std::size_t kLoopsThatMerge = 3;
+
+/// Which loop closures an estimate is to have in it.
+enum class Gate : std::uint8_t {
+  kOpen,   ///< all of them
+  kWhole,  ///< those that fit together, of all of them: a function of the set
+  kQuick,  ///< those that are in and what is new, where it fits them; else as kWhole. solve_map()
 };
 
 /// Batch optimization with fixed settings (Levenberg-Marquardt, initialization auto, portable
-/// kernel, one thread).
-/// `keep_going` is asked after each iteration; false leaves an unusable, interrupted result.
+/// kernel, one thread), and the gate (solver/loop_gate.hpp).
+/// `keep_going` is asked now and then; false leaves an unusable, interrupted result.
 SettledEstimate settle(const PoseGraph& map, const std::function<bool()>& keep_going = {});
 /// The same of a part of the map: whole components, in canonical order.
-SettledEstimate settle(const PoseGraph& map, CanonicalOrder part,
+SettledEstimate settle(const PoseGraph& map, CanonicalOrder part, Gate gate,
                        const std::function<bool()>& keep_going);
+/// Its options.
+SolveOptions settle_options(const std::function<bool()>& keep_going);
 
 /// By node, in canonical order.
 std::vector<std::pair<NodeIndex, Estimate>> estimates_of(const SettledEstimate& settled);

@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "cairn/replay/solve_map.hpp"
 
+#include <algorithm>
 #include <limits>
 #include <map>
+#include <optional>
 
 #include "cairn/core/disjoint_sets.hpp"
-#include "cairn/replay/settle.hpp"
+#include "cairn/replay/quick_gate.hpp"
 
 namespace cairn {
 namespace {
@@ -45,7 +47,13 @@ std::uint32_t worst_factor(const PoseGraph& map, const CanonicalOrder& part) {
   return worst;
 }
 
-void take(SettledEstimate&& settled, MapSolution& solution) {
+void take(const PoseGraph& map, SettledEstimate&& settled, MapSolution& solution) {
+  for (LoopVerdict& verdict : settled.verdicts) {
+    const bool is_new = verdict.factor >= map.first_unsolved_factor;
+    const bool waits = is_new && verdict.state == FactorState::kPending;
+    if (waits || map.factors[verdict.factor].state != verdict.state)
+      solution.verdicts.push_back(std::move(verdict));
+  }
   const auto found = estimates_of(settled);
   solution.estimates.insert(solution.estimates.end(), found.begin(), found.end());
   solution.chi2 += settled.summary.final_chi2;
@@ -54,14 +62,34 @@ void take(SettledEstimate&& settled, MapSolution& solution) {
         {settled.order.nodes[variable.id.value], std::move(variable.free_directions)});
 }
 
+// Without estimates where the short way does not lead there.
+MapSolution solve_quickly(const PoseGraph& map, const std::function<bool()>& keep_going) {
+  MapSolution solution;
+  std::optional<SettledEstimate> settled = try_newcomers(map, keep_going);
+  if (!settled) return solution;
+  solution.whole = settled->summary;
+  if (solution.whole.usable()) take(map, std::move(*settled), solution);
+  return solution;
+}
+
 }  // namespace
 
-MapSolution solve_map(const PoseGraph& map, const std::function<bool()>& keep_going) {
+MapSolution solve_map(const PoseGraph& map, Gate gate, const std::function<bool()>& keep_going) {
+  if (gate == Gate::kQuick) {
+    MapSolution quick = solve_quickly(map, keep_going);
+    if (quick.usable() || quick.whole.stop_reason == StopReason::kInterrupted) return quick;
+    gate = Gate::kWhole;
+  }
   MapSolution solution;
-  SettledEstimate settled = settle(map, CanonicalOrder(map), keep_going);
+  SettledEstimate settled = settle(map, CanonicalOrder(map), gate, keep_going);
   solution.whole = settled.summary;
+  const auto by_factor = [&] {
+    std::sort(solution.verdicts.begin(), solution.verdicts.end(),
+              [](const LoopVerdict& a, const LoopVerdict& b) { return a.factor < b.factor; });
+  };
   if (solution.whole.usable()) {
-    take(std::move(settled), solution);
+    take(map, std::move(settled), solution);
+    by_factor();
     return solution;
   }
   const auto interrupted = [](const SolveSummary& summary) {
@@ -69,19 +97,20 @@ MapSolution solve_map(const PoseGraph& map, const std::function<bool()>& keep_go
   };
   if (interrupted(solution.whole)) return solution;
   for (CanonicalOrder& part : parts_of(map, settled.order)) {
-    SettledEstimate own = settle(map, std::move(part), keep_going);
+    SettledEstimate own = settle(map, std::move(part), gate, keep_going);
     if (interrupted(own.summary)) {
       MapSolution nothing;
       nothing.whole = std::move(own.summary);
       return nothing;
     }
     if (own.summary.usable()) {
-      take(std::move(own), solution);
+      take(map, std::move(own), solution);
     } else {
       const std::uint32_t worst = worst_factor(map, own.order);
       solution.unsolved.push_back({std::move(own.order.nodes), own.summary.stop_reason, worst});
     }
   }
+  by_factor();
   return solution;
 }
 

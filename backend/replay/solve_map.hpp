@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "cairn/graph/pose_graph.hpp"
+#include "cairn/replay/settle.hpp"
 #include "cairn/solver/solve_summary.hpp"
 
 namespace cairn {
@@ -25,13 +26,15 @@ struct FreeNode {
   Eigen::MatrixXd directions;  ///< as UnderConstrainedVariable
 };
 
-/// What a solve of a map found: a function of the set of its nodes and committed factors.
+/// What a solve of a map found. Gate::kOpen and kWhole: a function of the set of its nodes and
+/// enabled factors.
 struct MapSolution {
   std::vector<std::pair<NodeIndex, Estimate>> estimates;  ///< but of what could not be solved
   double chi2 = 0.0;                                      ///< of what could be
   std::vector<UnsolvedPart> unsolved{};
   std::vector<FreeNode> free{};
-  SolveSummary whole;  ///< of the first try, with everything in it
+  std::vector<LoopVerdict> verdicts{};  ///< that are new: another state, or the first look
+  SolveSummary whole;                   ///< of the first try, with everything in it
 
   /// Something was solved.
   [[nodiscard]] bool usable() const { return !estimates.empty(); }
@@ -39,6 +42,11 @@ struct MapSolution {
 
 /// settle(), and where that fails each connected component for itself: what is wrong with one robot
 /// does not hold up the others. `keep_going` as there; an interrupted solution has no estimates.
-MapSolution solve_map(const PoseGraph& map, const std::function<bool()>& keep_going = {});
+///
+/// Gate::kQuick solves with the committed factors and the loop closures that have come since the
+/// last solve, and is done where these fit (solver/loop_trial.hpp) and where none that is
+/// quarantined would fit now. Else all verdicts are found anew.
+MapSolution solve_map(const PoseGraph& map, Gate gate = Gate::kWhole,
+                      const std::function<bool()>& keep_going = {});
 
 }  // namespace cairn

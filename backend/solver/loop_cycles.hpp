@@ -50,6 +50,10 @@ class LoopCycles {
   [[nodiscard]] const std::vector<Loop>& loops() const { return loops_; }
   /// Both lead from one chain of odometry to the same other one (or along the same one).
   [[nodiscard]] bool share_chains(const Loop& x, const Loop& y) const;
+  /// Its ends are on two chains of odometry.
+  [[nodiscard]] bool leads_elsewhere(const Loop& loop) const {
+    return places_[loop.a].chain != places_[loop.b].chain;
+  }
   /// The larger distance between their ends, in keyframes. They share chains.
   [[nodiscard]] int distance(const Loop& x, const Loop& y) const;
   /// The distance of their first ends alone: never descends along loops() while chains are shared.

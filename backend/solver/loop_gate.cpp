@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "cairn/solver/loop_gate.hpp"
 
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <optional>
@@ -8,49 +10,38 @@
 #include <utility>
 
 #include "cairn/solver/loop_cycles.hpp"
+#include "cairn/solver/loop_groups.hpp"
+#include "cairn/solver/loop_ties.hpp"
 #include "cairn/solver/marginals.hpp"
 #include "cairn/solver/optimize.hpp"
 
 namespace cairn {
 namespace {
 
-constexpr int kReach = 10;  // keyframes between the ends of loops that can support each other
-constexpr double kTolerance = 42;     // thresholds, in medians of chi-square times the noise scale
-constexpr double kFits = 4;           // the same for a solution that is taken without another look
-constexpr double kLeastScale = 1e-3;  // noise-free data would refuse its own rounding errors
-constexpr std::size_t kLeastPairs = 20;  // that make a noise scale
-constexpr int kIterationsWithAll = 20;   // more are spent only where loops fit together
-constexpr int kMostRounds = 8;           // of leaving out, and of taking back
-
-// Wilson and Hilferty 1931.
-double median_chi2(int dimension) {
-  const double d = dimension;
-  return d * std::pow(1.0 - 2.0 / (9.0 * d), 3);
-}
-
-double median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
+constexpr double kFits = 4;             // medians, of a solution taken without another look
+constexpr int kIterationsWithAll = 20;  // more are spent only where loops fit together
+constexpr int kMostRounds = 8;          // of leaving out, and of taking back
+constexpr std::size_t kMostOpponents = 3;
+constexpr double kLeastShare = 0.01;  // of a loop's information that is not its own solution's
 
 template <class Pose>
 class LoopGate {
  public:
-  LoopGate(Graph& graph, const SolveOptions& options)
+  LoopGate(Graph& graph, const SolveOptions& options, const GateOptions& gate)
       : graph_(graph),
         options_(options),
+        keep_going_(gate.keep_going),
         cycles_(graph),
-        in_(cycles_.loops().size()),
-        contradicted_(in_.size()) {
+        ties_(graph, ties_of(graph, cycles_), gate.loops_that_join, gate.frames) {
     options_.loss = {};
+    if (!keep_going_) return;
+    options_.on_iteration = [this, tell = options.on_iteration](int i, const IterationReport& r) {
+      return keep_going_() && (!tell || tell(i, r));
+    };
   }
 
   GatedSolution run() {
-    find_support();
-    group();
-    drop_contradicting();
-    if (!solve_supported()) return finish();
+    if (!take_groups() || !solve_supported()) return finish();
     for (const bool supported : {true, false}) take_back(supported);
     start_again();
     return finish();
@@ -59,138 +50,83 @@ class LoopGate {
  private:
   static constexpr int kDimension = UncertainPose<Pose>::kDimension;
   using Loop = typename LoopCycles<Pose>::Loop;
-  struct Pair {
-    std::size_t x, y;
-    double chi2;
-  };
-  struct Group {
-    std::vector<std::size_t> loops;  // the first stands for all
-    bool in = true;
-  };
+  using Matrix = Eigen::Matrix<double, kDimension, kDimension>;
+  using Vector = Eigen::Matrix<double, kDimension, 1>;
 
+  static std::vector<LoopTies::Loop> ties_of(const Graph& graph, const LoopCycles<Pose>& cycles) {
+    std::vector<LoopTies::Loop> ties;
+    for (const Loop& loop : cycles.loops())
+      ties.push_back({loop.factor, slot(graph, loop.a), slot(graph, loop.b)});
+    return ties;
+  }
   [[nodiscard]] const std::vector<Loop>& loops() const { return cycles_.loops(); }
-  [[nodiscard]] double unit() const { return median_chi2(kDimension) * result_.noise_scale; }
 
-  // Which nearby loops agree, in units that come from all such pairs.
-  void find_support() {
-    for (std::size_t x = 0; x < loops().size(); ++x) {
-      for (std::size_t y = x + 1; y < loops().size(); ++y) {
-        const Loop &first = loops()[x], &second = loops()[y];
-        if (!cycles_.share_chains(first, second) || cycles_.places_apart(first, second) > kReach)
-          break;
-        const int distance = cycles_.distance(first, second);
-        if (distance > 0 && distance <= kReach)  // a copy is no second witness
-          near_.push_back({x, y, cycles_.chi2(first, second)});
-      }
-    }
-    if (near_.size() >= kLeastPairs) {
-      std::vector<double> all;
-      for (const Pair& pair : near_) all.push_back(pair.chi2);
-      result_.noise_scale = std::max(kLeastScale, median(std::move(all)) / median_chi2(kDimension));
-    }
-    near_.erase(std::remove_if(near_.begin(), near_.end(),
-                               [&](const Pair& pair) { return pair.chi2 > kTolerance * unit(); }),
-                near_.end());
-    for (const Pair& pair : near_) in_[pair.x] = in_[pair.y] = true;
-    supported_ = in_;
+  // In medians of chi-square.
+  [[nodiscard]] double most() const {
+    return largest_chi2(kDimension) / median_chi2(kDimension) * scale_;
   }
 
-  // Every supported loop into one group: that of the first loop that supports it.
-  void group() {
-    std::vector<std::vector<std::size_t>> partners(loops().size());
-    for (const Pair& pair : near_) {
-      partners[pair.x].push_back(pair.y);
-      partners[pair.y].push_back(pair.x);
+  // False where the work is to end.
+  bool take_groups() {
+    std::optional<LoopGroups> found = find_groups(cycles_, keep_going_);
+    if (!found) {
+      result_.summary.stop_reason = StopReason::kInterrupted;
+      return false;
     }
-    std::vector<bool> taken(loops().size());
-    for (std::size_t seed = 0; seed < loops().size(); ++seed) {
-      if (taken[seed] || !in_[seed]) continue;
-      Group group{.loops = {seed}};
-      taken[seed] = true;
-      for (const std::size_t partner : partners[seed]) {
-        if (taken[partner]) continue;
-        taken[partner] = true;
-        group.loops.push_back(partner);
-      }
-      groups_.push_back(std::move(group));
-    }
-  }
-
-  // Greedily, until no two groups contradict each other: the one that most loops speak against, per
-  // loop that speaks for it.
-  void drop_contradicting() {
-    std::vector<std::vector<std::size_t>> foes(groups_.size());
-    std::vector<double> against(groups_.size(), 0.0);
-    for (std::size_t x = 0; x < groups_.size(); ++x) {
-      const Loop& first = loops()[groups_[x].loops.front()];
-      for (std::size_t y = x + 1; y < groups_.size(); ++y) {
-        const Loop& second = loops()[groups_[y].loops.front()];
-        if (!cycles_.share_chains(first, second)) break;
-        if (cycles_.chi2(first, second) <= kTolerance * unit()) continue;
-        foes[x].push_back(y);
-        foes[y].push_back(x);
-        against[x] += static_cast<double>(groups_[y].loops.size());
-        against[y] += static_cast<double>(groups_[x].loops.size());
-      }
-    }
-    while (true) {
-      std::optional<std::size_t> worst;
-      double most = 0.0;
-      for (std::size_t x = 0; x < groups_.size(); ++x) {
-        const double odds = against[x] / static_cast<double>(groups_[x].loops.size());
-        if (!groups_[x].in || odds <= most) continue;
-        most = odds;
-        worst = x;
-      }
-      if (!worst) return;
-      leave_out(groups_[*worst]);
-      for (const std::size_t foe : foes[*worst])
-        against[foe] -= static_cast<double>(groups_[*worst].loops.size());
-      for (const std::size_t loop : groups_[*worst].loops) {
-        supported_[loop] = false;
-        contradicted_[loop] = true;
-      }
-    }
-  }
-
-  void leave_out(Group& group) {
-    group.in = false;
-    for (const std::size_t loop : group.loops) in_[loop] = false;
+    groups_ = std::move(*found);
+    in_ = groups_.supported;
+    for (std::size_t i = 0; i < in_.size(); ++i) ties_parts_.push_back(!ties_.joined(i));
+    for (const LoopGroups::Group& group : groups_.groups)
+      if (group.in && ties_parts_[group.loops.front()]) in_[group.loops.front()] = true;
+    result_.noise_scale = groups_.noise_scale;
+    return true;
   }
 
   // False where there is no solution.
   bool solve_supported() {
     solve(options_.init, std::min(kIterationsWithAll, options_.max_iterations));
     if (interrupted()) return false;
-    if (result_.summary.usable() && worst_ratio() <= kFits * scale_) return true;
+    if (result_.summary.usable() && worst_of(ratios()) <= kFits * scale_ &&
+        worst_of(lone_ratios()) <= most())
+      return true;
     leave_out_smaller_half();
     graph_.values() = start_;
     solve(options_.init, options_.max_iterations);
     return revise();
   }
 
+  // But of what ties parts together there may be little.
   void leave_out_smaller_half() {
     std::vector<double> sizes;  // by loop
-    for (const Group& group : groups_)
-      if (group.in)
+    const auto counts = [this](const LoopGroups::Group& group) {
+      return group.in && !ties_parts_[group.loops.front()];
+    };
+    for (const LoopGroups::Group& group : groups_.groups)
+      if (counts(group))
         sizes.insert(sizes.end(), group.loops.size(), static_cast<double>(group.loops.size()));
     if (sizes.empty()) return;
     const double least = median(std::move(sizes));
-    for (Group& group : groups_)
-      if (group.in && static_cast<double>(group.loops.size()) < least) leave_out(group);
+    for (const LoopGroups::Group& group : groups_.groups)
+      if (counts(group) && static_cast<double>(group.loops.size()) < least)
+        for (const std::size_t loop : group.loops) in_[loop] = false;
   }
 
   // Without what does not fit, the worst first, until all does.
   bool revise() {
     for (int round = 0; round < kMostRounds && result_.summary.usable(); ++round) {
-      const double worst = worst_ratio();
-      const double most = kTolerance * scale_;
-      if (worst <= most) break;
-      for (std::size_t i = 0; i < loops().size(); ++i)
-        if (in_[i] && ratio(i) > std::max(most, worst / 4.0)) in_[i] = false;
+      if (!leave_out_worst(ratios()) && !leave_out_worst(lone_ratios())) break;
       solve(InitMethod::kFile, options_.max_iterations);
     }
     return result_.summary.usable();
+  }
+
+  // False where nothing is too far off.
+  bool leave_out_worst(const std::vector<double>& ratios) {
+    const double worst = worst_of(ratios);
+    if (worst <= most()) return false;
+    for (std::size_t i = 0; i < loops().size(); ++i)
+      if (in_[i] && ratios[i] > std::max(most(), worst / 4.0)) in_[i] = false;
+    return true;
   }
 
   void take_back(bool supported) {
@@ -217,21 +153,19 @@ class LoopGate {
 
   // What agrees with the solution as well as its covariance lets it.
   bool take_back_once(bool supported) {
-    const double most = kTolerance * scale_ * median_chi2(kDimension);
     std::optional<Result<Marginals>> marginals;
     bool any = false;
     std::vector<bool> now = in_;
     for (std::size_t i = 0; i < loops().size(); ++i) {
-      if (in_[i] || (supported && !supported_[i])) continue;
-      const Loop& loop = loops()[i];
-      UncertainPose<Pose> solved = solved_pose(loop);
-      bool agrees = disagreement(solved, loop.T_a_b) <= most;  // more covariance makes it less
+      if (in_[i] || (supported && !groups_.supported[i]) || !ties_.joined(i)) continue;
+      bool agrees = ratio(i) <= most();  // more covariance makes it less
       if (!agrees) {
         if (!marginals)
           marginals.emplace(Marginals::compute(graph_.with_factors(kept()), options_));
         if (!*marginals) return false;
-        solved.covariance = (*marginals)->relative_covariance(slot(loop.a), slot(loop.b));
-        agrees = disagreement(solved, loop.T_a_b) <= most;
+        const Whitened loop = whitened(i, **marginals);
+        const Matrix both = Matrix::Identity() + loop.solved;
+        agrees = loop.error.dot(both.ldlt().solve(loop.error)) <= most() * median_chi2(kDimension);
       }
       now[i] = agrees;
       any |= agrees;
@@ -240,18 +174,9 @@ class LoopGate {
     return any;
   }
 
-  [[nodiscard]] UncertainPose<Pose> solved_pose(const Loop& loop) const {
-    const auto& poses = [&]() -> const auto& {
-      if constexpr (std::is_same_v<Pose, Se2>)
-        return graph_.values().pose2;
-      else
-        return graph_.values().pose3;
-    }();
-    return {poses[loop.a].inverse() * poses[loop.b]};
-  }
-  [[nodiscard]] VariableSlot slot(std::uint32_t pose) const {
+  [[nodiscard]] static VariableSlot slot(const Graph& graph, std::uint32_t pose) {
     constexpr bool kPlane = std::is_same_v<Pose, Se2>;
-    return graph_.slot_of(kPlane ? VariableType::kPose2 : VariableType::kPose3, pose);
+    return graph.slot_of(kPlane ? VariableType::kPose2 : VariableType::kPose3, pose);
   }
 
   [[nodiscard]] std::vector<bool> kept() const {
@@ -259,7 +184,9 @@ class LoopGate {
     for (std::size_t i = 0; i < loops().size(); ++i) kept[loops()[i].factor] = in_[i];
     return kept;
   }
+
   void solve(InitMethod init, int iterations) {
+    ties_.join(in_);
     Graph rest = graph_.with_factors(kept());
     SolveOptions options = options_;
     options.init = init;
@@ -279,56 +206,155 @@ class LoopGate {
         index, index + 1, {.values = graph_.values(), .chart = options_.chart}, &chi2);
     return chi2 / median_chi2(kDimension);
   }
+  // By loop; of those that are out, 0.
+  [[nodiscard]] std::vector<double> ratios() const {
+    std::vector<double> all(loops().size(), 0.0);
+    for (std::size_t i = 0; i < all.size(); ++i)
+      if (in_[i]) all[i] = ratio(i);
+    return all;
+  }
+  // The same against where the solution would be without each one. To take a measurement out of a
+  // solution that has it takes its information out: the covariance of the difference is that of the
+  // measurement minus that of the solution.
+  [[nodiscard]] std::vector<double> lone_ratios() const {
+    std::vector<double> all(loops().size(), 0.0);
+    const Result<Marginals> marginals = Marginals::compute(graph_.with_factors(kept()), options_);
+    for (std::size_t i = 0; marginals && i < all.size(); ++i) {
+      if (!in_[i]) continue;
+      const Whitened loop = whitened(i, *marginals);
+      const Eigen::SelfAdjointEigenSolver<Matrix> own(loop.solved);
+      const Vector error = own.eigenvectors().transpose() * loop.error;
+      const Vector left = (1.0 - own.eigenvalues().array()).max(kLeastShare);
+      all[i] = error.cwiseAbs2().cwiseQuotient(left).sum() / median_chi2(kDimension);
+    }
+    return all;
+  }
+  // A loop's error, in units of what it states of itself, and the solution's covariance in them.
+  struct Whitened {
+    Vector error;
+    Matrix solved;
+  };
+  [[nodiscard]] Whitened whitened(std::size_t loop, const Marginals& marginals) const {
+    const FactorRef factor = graph_.factors()[loops()[loop].factor];
+    const std::vector<VariableSlot> ends = graph_.slots_of(factor);
+    Whitened result;
+    Matrix J;  // by T_a_b: as by the second pose
+    double* const jacobians[] = {nullptr, J.data()};
+    graph_.batches()[factor.batch]->evaluate_into(
+        factor.index, {.values = graph_.values(), .chart = options_.chart}, result.error.data(),
+        jacobians);
+    result.solved = J * marginals.relative_covariance(ends[0], ends[1]) * J.transpose();
+    return result;
+  }
   // Of the loops in the solution; and the scale they have by it.
-  double worst_ratio() {
-    std::vector<double> ratios;
-    for (std::size_t i = 0; i < loops().size(); ++i)
-      if (in_[i]) ratios.push_back(ratio(i));
-    if (ratios.empty()) return 0.0;
-    const double worst = *std::max_element(ratios.begin(), ratios.end());
-    scale_ = std::max(result_.noise_scale, median(std::move(ratios)));
+  double worst_of(const std::vector<double>& ratios) {
+    std::vector<double> in;
+    for (std::size_t i = 0; i < ratios.size(); ++i)
+      if (in_[i]) in.push_back(ratios[i]);
+    if (in.empty()) return 0.0;
+    const double worst = *std::max_element(in.begin(), in.end());
+    scale_ = std::max(result_.noise_scale, median(std::move(in)));
     return worst;
   }
 
   GatedSolution finish() {
     result_.loops = loops().size();
-    for (std::size_t i = 0; i < loops().size() && result_.summary.usable(); ++i) {
-      if (in_[i]) continue;
-      result_.left_out.push_back(
-          {loops()[i].factor, contradicted_[i] ? GateTest::kPairs : GateTest::kResidual,
-           ratio(i) * median_chi2(kDimension), kTolerance * scale_ * median_chi2(kDimension)});
-    }
+    result_.threshold = largest_chi2(kDimension) * scale_;
+    for (std::size_t i = 0; i < loops().size() && result_.summary.usable(); ++i)
+      if (!in_[i]) result_.left_out.push_back(judge(i));
     std::sort(result_.left_out.begin(), result_.left_out.end(),
               [](const LeftOutLoop& x, const LeftOutLoop& y) { return x.factor < y.factor; });
     return std::move(result_);
   }
 
+  [[nodiscard]] LeftOutLoop judge(std::size_t i) {
+    const Loop& loop = loops()[i];
+    if (!ties_.joined(i)) {
+      std::vector<bool> candidates = groups_.contradicted;
+      candidates.flip();
+      return {loop.factor, GateTest::kTooFew, static_cast<double>(ties_.places_like(i, candidates)),
+              static_cast<double>(ties_.least())};
+    }
+    return {loop.factor, groups_.contradicted[i] ? GateTest::kPairs : GateTest::kResidual,
+            ratio(i) * median_chi2(kDimension), result_.threshold, opponents(i)};
+  }
+  // Of one loop that is in, and whose cycle with this one says that they are not both true.
+  [[nodiscard]] std::vector<std::size_t> opponents(std::size_t i) const {
+    std::vector<std::pair<int, std::size_t>> found;  // by distance in keyframes
+    for (std::size_t k = 0; k < loops().size(); ++k) {
+      const Loop& other = loops()[k];
+      if (!in_[k] || !cycles_.share_chains(loops()[i], other)) continue;
+      const int distance = cycles_.distance(loops()[i], other);
+      if (found.size() == kMostOpponents && distance >= found.back().first) continue;
+      if (cycles_.chi2(loops()[i], other) <= largest_chi2(kDimension) * result_.noise_scale)
+        continue;
+      found.insert(std::upper_bound(found.begin(), found.end(), std::pair(distance, other.factor)),
+                   {distance, other.factor});
+      if (found.size() > kMostOpponents) found.pop_back();
+    }
+    std::vector<std::size_t> factors;
+    for (const auto& [distance, factor] : found) factors.push_back(factor);
+    return factors;
+  }
+
   Graph& graph_;
   const Values start_ = graph_.values();
   SolveOptions options_;
+  std::function<bool()> keep_going_;
   LoopCycles<Pose> cycles_;
-  std::vector<bool> in_;            // by loop: takes part
-  std::vector<bool> supported_;     // by loop: others nearby agree, and no more speak against them
-  std::vector<bool> contradicted_;  // by loop: others nearby agree, but more speak against them
-  std::vector<Pair> near_;
-  std::vector<Group> groups_;
-  double scale_ = 1.0;  // of residuals at the solution
+  LoopTies ties_;
+  LoopGroups groups_;
+  std::vector<bool> in_;          // by loop: takes part
+  std::vector<bool> ties_parts_;  // by loop: nothing but loops ties its ends together
+  double scale_ = 1.0;            // of residuals at the solution
   GatedSolution result_;
 };
 
 template <class Pose>
-bool has_loops(const Graph& graph) {
-  return !LoopCycles<Pose>(graph).loops().empty();
+GatedSolution gate_loops(Graph& graph, const SolveOptions& options, const GateOptions& gate) {
+  return LoopGate<Pose>(graph, options, gate).run();
 }
 
 }  // namespace
 
-Result<GatedSolution> solve_gated(Graph& graph, const SolveOptions& options) {
-  const bool in_space = has_loops<Se3>(graph);
-  if (in_space && has_loops<Se2>(graph))
-    return Error{ErrorCode::kUsage,
-                 "the graph has loop closures in the plane and in space: gate them apart"};
-  return in_space ? LoopGate<Se3>(graph, options).run() : LoopGate<Se2>(graph, options).run();
+std::string_view to_string(GateTest test) {
+  switch (test) {
+    case GateTest::kPairs:
+      return "contradicts other loops";
+    case GateTest::kResidual:
+      return "does not fit the map";
+    case GateTest::kTooFew:
+      break;
+  }
+  return "too few loops tie these maps together";
+}
+
+// Loops in the plane and loops in space never share a component: one after the other.
+GatedSolution solve_gated(Graph& graph, const SolveOptions& options, const GateOptions& gate) {
+  const bool in_plane = !LoopCycles<Se2>(graph).loops().empty();
+  const bool in_space = !LoopCycles<Se3>(graph).loops().empty();
+  if (!in_space) return gate_loops<Se2>(graph, options, gate);
+  GatedSolution solution = gate_loops<Se3>(graph, options, gate);
+  if (!in_plane || !solution.summary.usable()) return solution;
+  std::vector<std::size_t> place;  // in `graph`, of the factors that are left
+  std::vector<bool> kept(graph.factor_count(), true);
+  for (const LeftOutLoop& loop : solution.left_out) kept[loop.factor] = false;
+  for (std::size_t f = 0; f < kept.size(); ++f)
+    if (kept[f]) place.push_back(f);
+  Graph rest = graph.with_factors(kept);
+  GatedSolution plane = gate_loops<Se2>(rest, options, gate);
+  graph.values() = rest.values();
+  for (LeftOutLoop& loop : plane.left_out) {
+    loop.factor = place[loop.factor];
+    for (std::size_t& other : loop.against) other = place[other];
+    solution.left_out.push_back(std::move(loop));
+  }
+  std::sort(solution.left_out.begin(), solution.left_out.end(),
+            [](const LeftOutLoop& x, const LeftOutLoop& y) { return x.factor < y.factor; });
+  solution.loops += plane.loops;
+  solution.threshold = std::max(solution.threshold, plane.threshold);
+  solution.summary = plane.summary;
+  return solution;
 }
 
 }  // namespace cairn

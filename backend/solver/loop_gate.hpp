@@ -2,9 +2,10 @@
 #pragma once
 
 #include <cstddef>
+#include <functional>
+#include <string_view>
 #include <vector>
 
-#include "cairn/core/result.hpp"
 #include "cairn/graph/graph.hpp"
 #include "cairn/solver/solve_options.hpp"
 #include "cairn/solver/solve_summary.hpp"
@@ -15,13 +16,29 @@ namespace cairn {
 enum class GateTest {
   kPairs,     ///< with odometry between their ends, too many others contradict it
   kResidual,  ///< nothing but itself supports it where the others put its poses
+  kTooFew,    ///< it would tie together what nothing else does, and too few others say the same
 };
+/// "contradicts other loops", "does not fit the map", "too few loops tie these maps together".
+std::string_view to_string(GateTest test);
 
 struct LeftOutLoop {
   std::size_t factor = 0;  ///< place in Graph::factors()
   GateTest test = GateTest::kResidual;
-  double chi2 = 0.0;       ///< of it, at the solution without it
-  double threshold = 0.0;  ///< that it exceeds
+  /// Its chi2 at the solution without it, which exceeds the threshold; kTooFew: how many distinct
+  /// places its kind ties, which falls short of it.
+  double value = 0.0;
+  double threshold = 0.0;
+  std::vector<std::size_t> against{};  ///< loops that are in and contradict it; the nearest, few
+};
+
+struct GateOptions {
+  /// Frames (robots, odometry epochs) that only loops tie together are tied by so many that agree
+  /// and start and end at distinct poses; fewer are left out.
+  std::size_t loops_that_join = 3;
+  /// By variable (Graph::variables()), any numbers; empty: robots, the top bytes of ids.
+  std::vector<std::uint32_t> frames{};
+  /// Asked now and then; false ends the work with StopReason::kInterrupted.
+  std::function<bool()> keep_going{};
 };
 
 struct GatedSolution {
@@ -30,7 +47,8 @@ struct GatedSolution {
   /// Of the chi2 of short cycles to what their stated information says: 1 where it is honest. All
   /// thresholds are times this.
   double noise_scale = 1.0;
-  SolveSummary summary;  ///< of the last solve; not usable: there is no verdict
+  double threshold = 0.0;  ///< of chi2, for loops that are in
+  SolveSummary summary;    ///< of the last solve; not usable: there is no verdict
 };
 
 /// As optimize(), with the loop closures that fit together; those that contradict the rest are
@@ -44,7 +62,7 @@ struct GatedSolution {
 /// supported loops first, lonely ones last.
 ///
 /// A function of the graph. The values of `graph` move to the solution; all its factors stay.
-/// kUsage where it has loops between poses in the plane and in space.
-Result<GatedSolution> solve_gated(Graph& graph, const SolveOptions& options = {});
+GatedSolution solve_gated(Graph& graph, const SolveOptions& options = {},
+                          const GateOptions& gate = {});
 
 }  // namespace cairn

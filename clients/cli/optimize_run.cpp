@@ -97,7 +97,7 @@ GateReport take_out(Graph& graph, const GatedSolution& solution) {
   return report;
 }
 
-Result<void> solve(Job& job, SolveOptions options, bool gate, const Console& console) {
+void solve(Job& job, SolveOptions options, bool gate, const Console& console) {
   Graph& graph = job.document.graph;
   const Stopwatch watch;
   console.show_progress("initializing");
@@ -106,15 +106,13 @@ Result<void> solve(Job& job, SolveOptions options, bool gate, const Console& con
     return !InterruptGuard::interrupted();
   };
   if (gate) {
-    const Result<GatedSolution> solution = solve_gated(graph, options);
-    if (!solution) return solution.error();
-    job.report.summary = solution->summary;
-    if (solution->summary.usable()) job.report.gate = take_out(graph, *solution);
+    const GatedSolution solution = solve_gated(graph, options);
+    job.report.summary = solution.summary;
+    if (solution.summary.usable()) job.report.gate = take_out(graph, solution);
   } else {
     job.report.summary = optimize(graph, options);
   }
   console.clear_progress();
-  return {};
 }
 
 Result<void> write_results(const OptimizeArguments& a, const SolveOptions& options, Job& job,
@@ -183,8 +181,7 @@ int run_optimize(const OptimizeArguments& a) {
   for (const std::string& line : warning_lines(job->document.warnings)) Console::warn(line);
   const InterruptGuard guard;  // from here on the first Ctrl-C stops the solver, not the program
   console.say(input_line(job->report));
-  if (Result<void> solved = solve(*job, *options, a.gate, console); !solved)
-    return fail(solved.error());
+  solve(*job, *options, a.gate, console);
   for (const std::string& line : solve_lines(job->report)) console.say(line);
   if (job->report.gate) console.say(gate_line(*job->report.gate));
   if (!job->report.summary.under_constrained.empty())

@@ -45,8 +45,8 @@ Json gate_json(const GateReport& gate) {
     left_out.push_back({{"from", from.value},
                         {"to", to.value},
                         {"edge", verdict.factor},
-                        {"test", verdict.test == GateTest::kPairs ? "pairs" : "residual"},
-                        {"chi2", verdict.chi2},
+                        {"test", to_string(verdict.test)},
+                        {"value", verdict.value},
                         {"threshold", verdict.threshold}});
   }
   return {{"loops", gate.loops}, {"noise_scale", gate.noise_scale}, {"left_out", left_out}};

@@ -32,17 +32,16 @@ Result<std::string> settle_folder(const std::string& folder) {
   Journal& journal = *open->journal;
   const PoseGraph map = open->head.graph();
   if (map.factors.size() == 0) return settled_text(map.graph_revision, 0.0);
-  const SettledEstimate settled = settle(map);
-  if (!settled.summary.usable())
-    return Error{ErrorCode::kNotUsable, unsettled_text(settled.summary), folder};
-  const auto changed = changed_estimates(map, settled);
-  if (!changed.empty() || map.solved_revision.number + 1 < map.graph_revision.number) {
+  const MapSolution solution = solve_map(map);
+  if (!solution.whole.usable())
+    return Error{ErrorCode::kNotUsable, unsettled_text(solution.whole), folder};
+  if (is_news(map, solution, SolveKind::kSettled, open->head.last_input())) {
     Revision next = journal.head().revision;
     ++next.number;
-    const RecordBody record = apply_solve(open->head, map.graph_revision, changed, next);
-    if (const auto appended = journal.append({&record, 1}); !appended) return appended.error();
+    const auto records = apply_solution(open->head, map.graph_revision, solution, next);
+    if (const auto appended = journal.append(records); !appended) return appended.error();
   }
-  return settled_text(journal.head().revision, settled.summary.final_chi2);
+  return settled_text(journal.head().revision, solution.chi2);
 }
 
 Result<std::string> settle_daemon(const Target& target) {

@@ -78,14 +78,14 @@ std::vector<std::string> solve_lines(const OptimizeReport& report) {
 }
 
 std::string gate_line(const GateReport& gate) {
-  std::string line =
-      format("gate:          %zu of %zu loop closures contradict the rest%s", gate.left_out.size(),
-             gate.loops, gate.left_out.empty() ? "" : " and are left out: ");
+  std::string line = format("gate:          %zu of %zu loop closures left out%s",
+                            gate.left_out.size(), gate.loops, gate.left_out.empty() ? "" : ": ");
   for (std::size_t i = 0; i < std::min(gate.left_out.size(), kShown); ++i) {
     const auto& [from, to, verdict] = gate.left_out[i];
-    line += format("%s%llu - %llu (chi2 %.3g)", i == 0 ? "" : ", ",
+    line += format("%s%llu - %llu (%s: %.3g, limit %.3g)", i == 0 ? "" : ", ",
                    static_cast<unsigned long long>(from.value),
-                   static_cast<unsigned long long>(to.value), verdict.chi2);
+                   static_cast<unsigned long long>(to.value),
+                   std::string(to_string(verdict.test)).c_str(), verdict.value, verdict.threshold);
   }
   if (gate.left_out.size() > kShown)
     line += format(", and %zu more (--json lists them)", gate.left_out.size() - kShown);

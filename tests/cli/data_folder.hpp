@@ -9,7 +9,6 @@
 #include <vector>
 
 #include "cairn/history/solve_record.hpp"
-#include "cairn/replay/settle.hpp"
 #include "server/replay_journal.hpp"
 #include "tests/server/drive.hpp"
 
@@ -34,13 +33,14 @@ class DataFolderMaker {
   }
   /// `spoil` may change the record before it is written.
   void solve(const std::function<void(SolveRecord&)>& spoil = {}) {
-    const auto changed = changed_estimates(head_.graph(), settle(head_.graph()));
+    const MapSolution solution = solve_map(head_.graph());
     const Revision base = head_.graph().graph_revision;
     Revision next = base;
     ++next.number;
-    SolveRecord record = apply_solve(head_, base, changed, next);
-    if (spoil) spoil(record);
-    append(std::move(record));
+    for (RecordBody& record : apply_solution(head_, base, solution, next)) {
+      if (auto* solve = std::get_if<SolveRecord>(&record); solve != nullptr && spoil) spoil(*solve);
+      append(std::move(record));
+    }
   }
   Revision append(RecordBody body) {
     const Result<Revision> revision = journal_->append({&body, 1});

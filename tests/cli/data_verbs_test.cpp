@@ -22,7 +22,8 @@ std::vector<std::string> lines_of(const std::string& text) {
   return lines;
 }
 
-// Records 1 to 30: a drive. 31: a solve. 32: a refusal. 33: camera disables a loop. 34: a solve.
+// Records 1 to 30: a drive. 31 to 53: what the gate says of its 23 loops. 54: the solve. 55: a
+// refusal. 56: camera disables a loop. 57: a solve.
 class DataVerbs : public testing::Test {
  protected:
   void SetUp() override {
@@ -49,14 +50,16 @@ TEST_F(DataVerbs, LogTellsWhatEachRecordDid) {
   const auto log = run({"log"});
   ASSERT_EQ(log.exit_code, 0) << log.err;
   const auto lines = lines_of(log.out);
-  ASSERT_EQ(lines.size(), 34u);
+  ASSERT_EQ(lines.size(), 57u);
   EXPECT_THAT(lines[7], HasSubstr("8  2026-01-01T00:00:07.000Z  transaction  laser/8"));
   EXPECT_THAT(lines[7],
               HasSubstr("+1 SE(2) pose (robot/3/7), +1 between_se2, +1 between_se2 (loop)"));
-  EXPECT_THAT(lines[31], HasSubstr("refusal"));
-  EXPECT_THAT(lines[31], HasSubstr("the node robot/3/77777 is not known"));
-  EXPECT_THAT(lines[32], HasSubstr("camera/1"));
-  EXPECT_THAT(lines[33], HasSubstr("of record 33: 29 estimates changed"));
+  EXPECT_THAT(lines[30], HasSubstr("verdict"));
+  EXPECT_THAT(lines[30], HasSubstr("laser/8#1 is committed: fits the map "));
+  EXPECT_THAT(lines[54], HasSubstr("refusal"));
+  EXPECT_THAT(lines[54], HasSubstr("the node robot/3/77777 is not known"));
+  EXPECT_THAT(lines[55], HasSubstr("camera/1"));
+  EXPECT_THAT(lines[56], HasSubstr("of record 56: 29 estimates changed"));
 }
 
 TEST_F(DataVerbs, LogShowsTheNewestThatFit) {
@@ -71,7 +74,7 @@ TEST_F(DataVerbs, LogShowsTheNewestThatFit) {
   EXPECT_EQ(json::parse(some[2])["sequence"], 6);
   const auto beyond = run({"log", "--from", "99"});
   EXPECT_EQ(beyond.exit_code, 2);
-  EXPECT_THAT(beyond.err, HasSubstr("the newest is 34"));
+  EXPECT_THAT(beyond.err, HasSubstr("the newest is 57"));
 }
 
 TEST_F(DataVerbs, ShowTellsEverythingAboutARecord) {
@@ -84,10 +87,10 @@ TEST_F(DataVerbs, ShowTellsEverythingAboutARecord) {
   EXPECT_EQ(shown["key"]["sequence"], 9);
   EXPECT_EQ(shown["factors"][0]["numbers"].size(), 9u);
   EXPECT_EQ(shown["factors"][1]["kind"], "loop");
-  EXPECT_EQ(json::parse(run({"show", "31", "--json"}).out)["changed"].size(), 29u);
-  EXPECT_EQ(json::parse(run({"show", "32", "--json"}).out)["refusal"], "unknown variable");
-  EXPECT_EQ(json::parse(run({"show", "33", "--json"}).out)["edits"][0]["factor"], "laser/20#1");
-  EXPECT_EQ(run({"show", "35"}).exit_code, 2);
+  EXPECT_EQ(json::parse(run({"show", "54", "--json"}).out)["changed"].size(), 29u);
+  EXPECT_EQ(json::parse(run({"show", "55", "--json"}).out)["refusal"], "unknown variable");
+  EXPECT_EQ(json::parse(run({"show", "56", "--json"}).out)["edits"][0]["factor"], "laser/20#1");
+  EXPECT_EQ(run({"show", "58"}).exit_code, 2);
 }
 
 TEST_F(DataVerbs, DiffTellsWhatHappenedToTheMap) {
@@ -96,11 +99,11 @@ TEST_F(DataVerbs, DiffTellsWhatHappenedToTheMap) {
   EXPECT_EQ(grown["factors_added"].size(), 40u);
   EXPECT_EQ(grown["moved"]["count"], 0);
   EXPECT_TRUE(grown["moved"]["largest_m"].is_null());
-  const auto solved = run({"diff", "30", "34"});
+  const auto solved = run({"diff", "30", "57"});
   EXPECT_THAT(solved.out, HasSubstr("0 variables added\n0 factors added\n"));
   EXPECT_THAT(solved.out, HasSubstr("1 factors now disabled: laser/20#1\n"));
   EXPECT_THAT(solved.out, HasSubstr("29 estimates moved, at most "));
-  EXPECT_EQ(json::parse(run({"diff", "0", "34", "--json"}).out)["variables_added"].size(), 30u);
+  EXPECT_EQ(json::parse(run({"diff", "0", "57", "--json"}).out)["variables_added"].size(), 30u);
   EXPECT_THAT(run({"diff", "9", "3"}).err, HasSubstr("try diff 3 9"));
   EXPECT_EQ(run({"diff", "3", "99"}).exit_code, 2);
 }
@@ -125,7 +128,7 @@ TEST_F(DataVerbs, StatusCountsWhatEachSourceSent) {
   const auto status = json::parse(run({"status", "--json"}).out);
   EXPECT_EQ(status["variables"], 30);
   EXPECT_EQ(status["factors"], 52);
-  EXPECT_EQ(status["solved_revision"], 33);
+  EXPECT_EQ(status["solved_revision"], 56);
   ASSERT_EQ(status["sources"].size(), 2u);
   const auto& laser = status["sources"][1];
   EXPECT_EQ(laser["source"], "laser");
@@ -141,7 +144,7 @@ TEST_F(DataVerbs, SettleAppendsASolveOnce) {
   const auto settle = [&] { return run_cairn({"settle", "--data", file("new")}); };
   const auto first = settle();
   ASSERT_EQ(first.exit_code, 0) << first.err;
-  EXPECT_THAT(first.out, HasSubstr(":0:26, chi2 "));
+  EXPECT_THAT(first.out, HasSubstr(":0:44, chi2 "));
   EXPECT_EQ(settle().out, first.out);
   EXPECT_THAT(run_cairn({"verify", "--data", file("new")}).out,
               HasSubstr("1 solves solved again with the same bits"));
@@ -170,26 +173,26 @@ TEST_F(DataVerbs, EdgesAreSwitchedAndUndoneAndTheStoryIsKept) {
   const auto switched =
       run({"edge", "disable", "25:1", "26:1", "--reason", "a mirror", "--operator", "anna"});
   ASSERT_EQ(switched.exit_code, 0) << switched.err;
-  EXPECT_EQ(switched.out, "2 factors disabled, record 35\n");
+  EXPECT_EQ(switched.out, "2 factors disabled, record 58\n");
   EXPECT_EQ(run({"edge", "disable", "25:1"}).out, "nothing changed: it is so already\n");
   EXPECT_EQ(run({"undo", "20"}).exit_code, 4) << "later poses stand on it";
   EXPECT_EQ(run({"settle", "-q"}).exit_code, 0);
-  const auto undone = run({"undo", "35", "--operator", "bert"});
+  const auto undone = run({"undo", "58", "--operator", "bert"});
   ASSERT_EQ(undone.exit_code, 0) << undone.err;
-  EXPECT_EQ(undone.out, "2 factors enabled, record 37\n");
+  EXPECT_EQ(undone.out, "2 factors enabled, record 60\n");
 
   const auto log = lines_of(run({"log"}).out);
-  ASSERT_EQ(log.size(), 37u);
-  EXPECT_THAT(log[34], HasSubstr("anna: edge disable 25:1 26:1: 2 factors disabled (a mirror)"));
-  EXPECT_THAT(log[36], HasSubstr("bert: undo 35: 2 factors enabled"));
-  EXPECT_THAT(run({"show", "35"}).out, HasSubstr("laser/25#1"));
+  ASSERT_EQ(log.size(), 60u);
+  EXPECT_THAT(log[57], HasSubstr("anna: edge disable 25:1 26:1: 2 factors disabled (a mirror)"));
+  EXPECT_THAT(log[59], HasSubstr("bert: undo 58: 2 factors enabled"));
+  EXPECT_THAT(run({"show", "58"}).out, HasSubstr("laser/25#1"));
   const auto verified = run({"verify"});
   EXPECT_EQ(verified.exit_code, 0) << verified.err << verified.out;
   EXPECT_EQ(run({"edge", "disable", "1:0"}).exit_code, 2);
   const auto latin = run({"edge", "disable", "25:1", "--reason", "\xe4rger"});
   EXPECT_EQ(latin.exit_code, 2);
   EXPECT_THAT(latin.err, HasSubstr("--reason is not UTF-8"));
-  EXPECT_EQ(run({"undo", "31"}).exit_code, 2) << "a solve";
+  EXPECT_EQ(run({"undo", "54"}).exit_code, 2) << "a solve";
   EXPECT_EQ(run_cairn({"edge"}).exit_code, 2);
 }
 
@@ -197,7 +200,7 @@ TEST_F(DataVerbs, BackupsAreRestoredIntoANewEra) {
   ASSERT_EQ(run({"backup", file("backups")}).exit_code, 0);
   const auto restored = run_cairn({"restore", file("backups"), "--data", file("again")});
   ASSERT_EQ(restored.exit_code, 0) << restored.err;
-  EXPECT_THAT(restored.out, HasSubstr(":1:34"));
+  EXPECT_THAT(restored.out, HasSubstr(":1:57"));
   const auto hash = [](const ProcessResult& verified) {
     return json::parse(verified.out)["head_hash"];
   };

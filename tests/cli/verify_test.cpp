@@ -39,10 +39,11 @@ TEST_F(Verify, ExecutesEverythingAgainAndComparesBits) {
   const auto verified = run({"--json", "--at", "12"});
   ASSERT_EQ(verified.exit_code, 0) << verified.err;
   const auto json = nlohmann::json::parse(verified.out);
-  EXPECT_EQ(json["records"], 45);
+  EXPECT_EQ(json["records"], 79);
   EXPECT_EQ(json["accepted"], 41);
   EXPECT_EQ(json["refused"], 1);
   EXPECT_EQ(json["commands"], 1);
+  EXPECT_EQ(json["verdicts"], 34) << "one for each loop";
   EXPECT_EQ(json["solves"]["same_bits"], 2);
   EXPECT_EQ(json["head_hash_at"]["number"], 12);
   EXPECT_THAT(run().out, HasSubstr(std::string(json["head_hash"])));
@@ -68,8 +69,8 @@ TEST_F(Verify, HashesOfTwoJournalsOfTheSameRunAreTheSameAtEveryRevision) {
     return heads;
   };
   const auto one = hashes_of("one", 0.0), two = hashes_of("two", 0.0), other = hashes_of("b", 0.1);
-  ASSERT_EQ(one.size(), 21u);
-  EXPECT_THAT(one.back(), HasSubstr("21,0,solve,"));
+  ASSERT_EQ(one.size(), 34u) << "20 transactions, 13 verdicts, a solve";
+  EXPECT_THAT(one.back(), HasSubstr("34,0,solve,"));
   EXPECT_EQ(one, two);
   EXPECT_EQ(one[18], other[18]);
   EXPECT_NE(one[19], other[19]);
@@ -83,7 +84,22 @@ TEST_F(Verify, FindsASolveThatComesOutOtherwise) {
   }
   const auto verified = run();
   EXPECT_EQ(verified.exit_code, 3);
-  EXPECT_THAT(verified.err, HasSubstr("record 21: solved again, robot/3/"));
+  EXPECT_THAT(verified.err, HasSubstr("record 34: solved again, robot/3/"));
+}
+
+TEST_F(Verify, FindsAVerdictThatTheGateDoesNotGive) {
+  {
+    DataFolderMaker maker(data());
+    maker.submit_all(drive(20));
+    maker.append(VerdictRecord{
+        {{"laser", 7, 9}, 1}, "does not fit the map", 512.0, 99.0, {}, FactorState::kQuarantined});
+    maker.solve();
+  }
+  const auto verified = run();
+  EXPECT_EQ(verified.exit_code, 3);
+  EXPECT_THAT(verified.err,
+              HasSubstr("record 35: solved again, the gate finds 13 verdicts, which are not the 14 "
+                        "that are recorded before it"));
 }
 
 TEST_F(Verify, ComparesSolvesOfOtherMachinesToOneInABillion) {

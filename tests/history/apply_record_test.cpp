@@ -4,7 +4,6 @@
 #include <gtest/gtest.h>
 
 #include "cairn/history/solve_record.hpp"
-#include "cairn/replay/settle.hpp"
 #include "tests/support/temporary_folder.hpp"
 
 namespace cairn {
@@ -37,9 +36,7 @@ TEST(MapsAt, GivesTheMapAfterEachRecord) {
   const Revision base = head.graph().graph_revision;
   Revision next = base;
   ++next.number;
-  const RecordBody solve =
-      apply_solve(head, base, changed_estimates(head.graph(), settle(head.graph())), next);
-  ASSERT_TRUE(journal->append({&solve, 1}));
+  ASSERT_TRUE(journal->append(apply_solution(head, base, solve_map(head.graph()), next)));
 
   const auto maps = maps_at(*journal, {0, 2, 2, 5, 6});
   ASSERT_TRUE(maps) << maps.error().to_string();
@@ -72,8 +69,12 @@ TEST(SolveSettings, AreReadBackAndKnowEarlyRecords) {
   EXPECT_EQ(SolveSettings::parse(here.to_string()), here);
   const SolveSettings early =
       SolveSettings::parse("lm, multifrontal, portable, initialization auto");
-  EXPECT_EQ(early.method, here.method);
-  EXPECT_NE(early, here);
+  EXPECT_EQ(early.kind(), SolveKind::kUngated);
+  EXPECT_TRUE(early.ungated());
+  EXPECT_FALSE(here.ungated());
+  EXPECT_EQ(here.kind(), SolveKind::kSettled);
+  EXPECT_EQ(SolveSettings::here(SolveKind::kLive).kind(), SolveKind::kLive);
+  EXPECT_EQ(SolveSettings::parse("somehow; somewhere").kind(), std::nullopt);
 }
 
 }  // namespace

@@ -6,7 +6,7 @@
 #include <random>
 #include <vector>
 
-#include "cairn/replay/settle.hpp"
+#include "cairn/history/solve_record.hpp"
 #include "server/replay_journal.hpp"
 
 namespace cairn::test {
@@ -44,6 +44,16 @@ inline Transaction drive_step(const std::string& robot, std::uint64_t i) {
   return step;
 }
 
+/// Two places of the leader that are not the same, said to be.
+inline Transaction false_loop(std::uint64_t a, std::uint64_t b) {
+  Transaction transaction = drive_step(kLeader, b);
+  transaction.variables.clear();
+  transaction.factors.resize(1);
+  transaction.factors[0].kind = FactorKind::kLoop;
+  transaction.factors[0].nodes = {{{kLeader, 3}, a}, {{kLeader, 3}, b}};
+  return transaction;
+}
+
 inline std::vector<Transaction> drive(std::uint64_t count) {
   std::vector<Transaction> steps;
   for (std::uint64_t i = 0; i < count; ++i) steps.push_back(drive_step(kLeader, i));
@@ -66,8 +76,8 @@ inline std::vector<double> settled_estimates(const std::vector<Transaction>& ste
   MapHead head;
   for (std::uint64_t number = 0; const Transaction& step : steps)
     head.apply(step, {1, 0, ++number});
-  const auto changed = changed_estimates(head.graph(), settle(head.graph()));
-  head.apply_estimates(changed, {1, 0, steps.size()}, {1, 0, steps.size() + 1});
+  apply_solution(head, head.graph().graph_revision, solve_map(head.graph()),
+                 {1, 0, steps.size() + 1});
   std::vector<double> all;
   for (NodeIndex i = 0; i < head.graph().nodes.size(); ++i)
     all.insert(all.end(), head.graph().estimates[i].begin(), head.graph().estimates[i].end());

@@ -255,8 +255,7 @@ ContentHash undisturbed(const std::map<std::string, std::uint64_t>& steps) {
       head.apply(step, {1, 0, ++number});
     }
   }
-  const auto changed = changed_estimates(head.graph(), settle(head.graph()));
-  head.apply_estimates(changed, {1, 0, number}, {1, 0, number + 1});
+  apply_solution(head, head.graph().graph_revision, solve_map(head.graph()), {1, 0, number + 1});
   HeadHash hash;
   hash.update(head.graph());
   return hash.value();

@@ -4,6 +4,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <span>
+
 #include "cairn/factors/factor_codec.hpp"
 #include "cairn/replay/settle.hpp"
 #include "tests/server/drive.hpp"
@@ -77,13 +79,11 @@ class Map {
   std::uint64_t sequence_ = 0;
 };
 
-// Two places that are not the same, said to be.
+// So uncertain that no gate minds.
 Transaction false_loop(std::uint64_t a, std::uint64_t b) {
-  Transaction transaction = test::drive_step(test::kLeader, b);
-  transaction.variables.clear();
-  transaction.factors.resize(1);
-  transaction.factors[0].kind = FactorKind::kLoop;
-  transaction.factors[0].nodes = {{{test::kLeader, 3}, a}, {{test::kLeader, 3}, b}};
+  Transaction transaction = test::false_loop(a, b);
+  const std::span<double> information = std::span(transaction.factors[0].numbers).subspan(3);
+  for (double& number : information) number *= 1e-4;
   return transaction;
 }
 

@@ -1,0 +1,106 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "cairn/replay/quick_gate.hpp"
+
+#include <algorithm>
+#include <utility>
+#include <vector>
+
+#include "cairn/factors/factor_codec.hpp"
+#include "cairn/solver/loop_trial.hpp"
+#include "cairn/solver/optimize.hpp"
+
+namespace cairn {
+namespace {
+
+// What estimates that a solve has left and odometry has grown may cost by rounding.
+constexpr double kNothing = 1e-6;
+
+Values estimates_of(const PoseGraph& map, const CanonicalOrder& order, const Graph& graph) {
+  Graph at;
+  for (std::size_t place = 0; place < order.nodes.size(); ++place) {
+    const VariableType type = map.nodes[order.nodes[place]].type;
+    const double* numbers = map.estimates[order.nodes[place]].data();
+    if (!add_variable(at, VariableId{place}, type, {numbers, numbers + value_numbers(type)}))
+      return graph.values();
+  }
+  return at.values();
+}
+
+// Of the factors at places in the order for which `counts`.
+template <class Counts>
+double chi2_of(const Graph& graph, const Values& values, Counts counts) {
+  double sum = 0.0;
+  for (std::size_t i = 0; i < graph.factor_count(); ++i) {
+    if (!counts(i)) continue;
+    const auto [batch, index] = graph.factors()[i];
+    double chi2 = 0.0;
+    graph.batches()[batch]->evaluate_chi2(index, index + 1, {values}, &chi2);
+    sum += chi2;
+  }
+  return sum;
+}
+
+// Of the optimum without the newcomers: that of the map's estimates, where they are one.
+double chi2_without(const PoseGraph& map, const CanonicalOrder& order, const Graph& graph,
+                    const std::vector<bool>& is_old, const std::function<bool()>& keep_going) {
+  const Values estimates = estimates_of(map, order, graph);
+  const double unsolved = chi2_of(graph, estimates, [&](std::size_t i) {
+    return is_old[i] && order.factors[i] >= map.first_unsolved_factor;
+  });
+  if (unsolved <= kNothing)
+    return chi2_of(graph, estimates, [&](std::size_t i) { return is_old[i]; });
+  Graph old = graph.with_factors(is_old);
+  return optimize(old, settle_options(keep_going)).final_chi2;
+}
+
+// One that is out, and by its own error could be in.
+bool another_fits(const PoseGraph& map, const SettledEstimate& settled, double threshold) {
+  const CanonicalOrder out(
+      map, [&](std::uint32_t f) { return map.factors[f].state == FactorState::kQuarantined; });
+  if (out.factors.empty()) return false;
+  const Graph graph = canonical_graph(map, out);
+  for (const FactorRef factor : graph.factors()) {
+    double chi2 = 0.0;
+    graph.batches()[factor.batch]->evaluate_chi2(factor.index, factor.index + 1,
+                                                 {settled.graph.values()}, &chi2);
+    if (chi2 <= threshold) return true;
+  }
+  return false;
+}
+
+}  // namespace
+
+std::optional<SettledEstimate> try_newcomers(const PoseGraph& map,
+                                             const std::function<bool()>& keep_going) {
+  if (map.switched_since_solve) return std::nullopt;  // verdicts may stand on what is gone
+  const auto is_new = [&](std::uint32_t f) {
+    return map.factors[f].state == FactorState::kPending && f >= map.first_unsolved_factor;
+  };
+  SettledEstimate settled;
+  settled.order = CanonicalOrder(map, [&](std::uint32_t f) {
+    return map.factors[f].state == FactorState::kCommitted || is_new(f);
+  });
+  settled.graph = canonical_graph(map, settled.order);
+  std::vector<bool> is_old;
+  std::vector<std::size_t> newcomers;
+  for (std::size_t i = 0; i < settled.order.factors.size(); ++i) {
+    is_old.push_back(!is_new(settled.order.factors[i]));
+    if (!is_old.back()) newcomers.push_back(i);
+  }
+  if (newcomers.empty()) {
+    settled.summary = optimize(settled.graph, settle_options(keep_going));
+    return settled;
+  }
+  const double before = chi2_without(map, settled.order, settled.graph, is_old, keep_going);
+  LoopTrial trial = try_loops(settled.graph, newcomers, before, settle_options(keep_going));
+  if (trial.summary.stop_reason != StopReason::kInterrupted &&
+      (!trial.passed || another_fits(map, settled, trial.threshold)))
+    return std::nullopt;
+  settled.summary = std::move(trial.summary);
+  for (const std::size_t i : newcomers)
+    settled.verdicts.push_back({settled.order.factors[i], FactorState::kCommitted, "fits at once",
+                                trial.increase, trial.threshold});
+  return settled;
+}
+
+}  // namespace cairn
