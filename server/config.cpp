@@ -128,6 +128,16 @@ const std::vector<Setting>& settings() {
              "what closes a loop is solved at once, but at most so often; each time the poses that "
              "moved go into the journal",
              {0, 3'600'000}, [](auto& c) -> auto& { return c.service.solve_every; }),
+      number("solve", "work_limit",
+             "billions of multiplications (about so many seconds) that such a solve may take; one "
+             "that "
+             "needs more is left, and the map is settled at once instead",
+             {1, 1'000'000}, [](auto& c) -> auto& { return c.service.solve_work; }),
+      number("solve", "loops_that_merge",
+             "so many loop closures, at distinct places and without contradiction, tie the maps of "
+             "two "
+             "robots, or of two odometry epochs, into one",
+             {1, 1000}, [](auto& c) -> auto& { return c.service.loops_that_merge; }),
       number("solve", "publish_every_ms",
              "poses that came are published together, at most so often", {0, 10'000},
              [](auto& c) -> auto& { return c.service.publish_every; }),

@@ -23,8 +23,8 @@ Error differs(std::uint64_t number, const std::string& what) {
 // Made by a method that is not known here, or where numbers round in another way.
 bool rounds_otherwise(const SolveRecord& record) {
   const SolveSettings made = SolveSettings::parse(record.settings);
-  const std::optional<SolveKind> kind = made.kind();
-  return !kind || made != SolveSettings::here(*kind);
+  const std::optional<SolveMethod> method = made.known();
+  return !method || made != SolveSettings::here(*method);
 }
 
 // Relative to the larger number, or to one meter or radian.
@@ -193,18 +193,18 @@ Result<void> Reexecution::solve_again(const SolveRecord& record, std::uint64_t n
   if (base == bases_.end())
     return differs(number,
                    "it solved record " + std::to_string(record.base) + ", which comes later");
-  const std::optional<SolveKind> kind = SolveSettings::parse(record.settings).kind();
-  if (!kind) {
+  const std::optional<SolveMethod> method = SolveSettings::parse(record.settings).known();
+  if (!method) {
     ++result_.solves_skipped;
     return {};
   }
-  const MapSolution solution = solve_as(*kind, base->second);
+  const MapSolution solution = solve_as(*method, base->second);
   const std::vector<VerdictRecord> verdicts = verdict_records(base->second, solution);
   if (--uses_of_base_[record.base] == 0) bases_.erase(base);
   if (!solution.usable()) return differs(number, "solved again, it does not converge");
   if (Result<void> same = judge_verdicts(record, verdicts, number); !same) return same;
   PoseGraph again = head_.graph();
-  for (const auto& [node, estimate] : kept_changes(head_.graph(), solution, *kind))
+  for (const auto& [node, estimate] : kept_changes(head_.graph(), solution, method->kind))
     again.estimates.edit(node) = estimate;
   PoseGraph recorded = head_.graph();
   for (const ChangedEstimate& changed : record.changed) {

@@ -42,6 +42,11 @@ struct ServiceOptions {
   std::chrono::milliseconds solve_after_pause{200};
   /// But at most so often: each solve leaves a record of what it moved.
   std::chrono::milliseconds solve_every{50};
+  /// What such a solve may compute, in units of 1e9 multiplications (about a second each); what
+  /// takes more waits until the map is settled, which comes next then.
+  std::int64_t solve_work = 10;
+  /// So many loop closures tie two robots, or two odometry epochs, into one map.
+  std::size_t loops_that_merge = kLoopsThatMerge;
   /// A correction that moves a robot further than this raises an event before it is published.
   int jump_cm = 100, jump_deg = 10;
   /// Poses that came are published together, at most so often.
@@ -104,7 +109,7 @@ class Service final : private TransportListener {
     Writers::Spool spool;  ///< was answered without a look at what it said
   };
   struct Solved {
-    SolveKind kind;
+    SolveMethod method;
     Revision base;
     std::uint64_t last_input;  ///< there
     MapSolution solution;
@@ -145,6 +150,7 @@ class Service final : private TransportListener {
   void let_strangers_go(const std::vector<Writers::Spool>& spools);
   void greet(const ClientState& client);
   void take_solution(const Solved& solved);
+  void settle_instead();
   void tell_trouble(const MapSolution& solution);
   void tell_jump(const Correction& correction);
   bool commit_solution(const Solved& solved);
@@ -199,7 +205,9 @@ class Service final : private TransportListener {
   std::uint64_t news_at_ = 0;       ///< the last record that a solve is to follow at once
   std::uint64_t solving_from_ = 0;  ///< the last record that a solve has seen, or now sees
   std::chrono::steady_clock::time_point solve_began_{};
-  std::uint64_t unsolvable_ = 0;  ///< the last input of the map of which the last solve failed
+  bool settle_next_ = false;       ///< a live solve was too much work
+  EliminationCache eliminations_;  ///< of the solver: one solve runs at a time
+  std::uint64_t unsolvable_ = 0;   ///< the last input of the map of which the last solve failed
   std::set<std::uint32_t> told_verdicts_;  ///< loop closures of which was told that they are out
   std::set<NodeIndex> free_;               ///< nodes of which was told that they are free
   std::set<std::uint32_t> broken_;         ///< factors of which was told that they cannot be solved

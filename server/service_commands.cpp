@@ -19,10 +19,8 @@ void Service::carry_out(const Command& command) {
   const std::string verb = command.text.substr(0, command.text.find(' '));
   if (verb == "status")
     return transport_.reply({command.key, {}, dump(to_json(make_status(), false), -1)});
-  if (const auto question = Question::parse(command.text); question && is_order(*question))
-    return obey(command, *question);
-  if (verb != "settle") return desk_.take(command, head_.graph());
-  if (needs_solve()) {
+  const bool of_settled_map = verb == "settle" || verb == "freeze";
+  if (of_settled_map && needs_solve()) {
     const bool repeated =
         std::any_of(awaiting_solution_.begin(), awaiting_solution_.end(),
                     [&](const Command& waiting) { return waiting.key == command.key; });
@@ -32,6 +30,9 @@ void Service::carry_out(const Command& command) {
                              "busy: " + std::to_string(kMostAwaiting) +
                                  " commands wait for a solve already; ask again later"});
   }
+  if (const auto question = Question::parse(command.text); question && is_order(*question))
+    return obey(command, *question);
+  if (verb != "settle") return desk_.take(command, head_.graph());
   transport_.reply(
       {command.key, {}, settled_text(head_.graph().graph_revision, chi2_.value_or(0.0))});
 }
@@ -44,7 +45,7 @@ void Service::obey(const Command& command, const Question& question) {
   };
   const Result<Order> order = make_order(question, journal_, head_);
   if (!order) return refuse(order.error());
-  if (order->edits.empty()) return desk_.answer({command.key, {}, count_changes({})});
+  if (order->changes_nothing()) return desk_.answer({command.key, {}, count_changes({})});
   const RecordBody record = to_record(*order, question, wall_clock_ns());
   pass(ServicePoint::kBeforeCommit);
   const Result<Revision> appended = journal_.append({&record, 1});
@@ -53,10 +54,10 @@ void Service::obey(const Command& command, const Question& question) {
     refuse(appended.error());
     return fall_back(appended.error());
   }
-  head_.apply(order->edits, *appended);
+  apply(*order, *appended, head_);
   news_at_ = appended->number;
   state_changed_ = estimate_changed_ = true;
-  const std::string done = count_changes(order->edits);
+  const std::string done = count_changes(*order);
   announce(Severity::kInfo, "order", question.text("operator") + ": " + order->asked + ": " + done,
            *appended);
   desk_.answer({command.key, {}, done + ", record " + std::to_string(appended->number)});

@@ -50,7 +50,7 @@ void Service::solve_when_due() {
   if (solver_works_ || solving_ || refill_.active()) return;
   // What could not be solved is tried again when something has changed, or when somebody asks.
   const bool hopeless = unsolvable_ == head_.last_input();
-  if (needs_solve() && ((idle && !hopeless) || !awaiting_solution_.empty()))
+  if (needs_solve() && ((idle && !hopeless) || settle_next_ || !awaiting_solution_.empty()))
     start_solve(SolveKind::kSettled);
   else if (awaits_live_solve() && now >= solve_began_ + options_.solve_every)
     start_solve(SolveKind::kLive);
@@ -66,18 +66,25 @@ void Service::refuse_to_solve() {
 }
 
 void Service::start_solve(SolveKind kind) {
+  const bool gives_way = kind == SolveKind::kSettled && !settle_next_;
   solving_ = true;
   give_way_ = false;
   solving_from_ = head_.graph().graph_revision.number;
   solve_began_ = std::chrono::steady_clock::now();
-  on_solver_thread([this, kind, base = head_.graph(), input = head_.last_input()] {
-    const auto keep_going = [this, kind] {
+  settle_next_ &= kind != SolveKind::kSettled;
+  const SolveMethod method{kind, options_.loops_that_merge};
+  on_solver_thread([this, method, gives_way, base = head_.graph(), input = head_.last_input()] {
+    WorkBudget work(1e9 * static_cast<double>(options_.solve_work));
+    SettleOptions how;
+    how.keep_going = [this, gives_way] {
       pass(ServicePoint::kSolving);
-      return !abandon_solve_ && !(kind == SolveKind::kSettled && give_way_);
+      return !abandon_solve_ && !(gives_way && give_way_);
     };
+    how.eliminations = &eliminations_;
+    if (method.kind == SolveKind::kLive) how.work = &work;
     pass(ServicePoint::kSolving);  // a start that is the solution has no iterations
     return std::make_unique<Solved>(
-        Solved{kind, base.graph_revision, input, solve_as(kind, base, keep_going)});
+        Solved{method, base.graph_revision, input, solve_as(method, base, how)});
   });
 }
 
@@ -121,15 +128,16 @@ void Service::take_solution(const Solved& solved) {
   const MapSolution& solution = solved.solution;
   const SolveSummary& whole = solution.whole;
   if (whole.stop_reason == StopReason::kInterrupted) return;
+  if (whole.stop_reason == StopReason::kWorkLimit) return settle_instead();
   if (solution.usable()) {
-    if (is_news(head_.graph(), solution, solved.kind, solved.last_input) &&
+    if (is_news(head_.graph(), solution, solved.method.kind, solved.last_input) &&
         !commit_solution(solved))
       return;
     chi2_ = solution.chi2;
     publish_estimate();
     state_changed_ = true;
   }
-  settled_ = whole.usable() && solved.kind == SolveKind::kSettled;
+  settled_ = whole.usable() && solved.method.kind == SolveKind::kSettled;
   tell_trouble(solution);
   if (!whole.usable()) {
     unsolvable_ = solved.last_input;
@@ -138,6 +146,15 @@ void Service::take_solution(const Solved& solved) {
     return;
   }
   for (const Command& command : std::exchange(awaiting_solution_, {})) carry_out(command);
+}
+
+// Loops that came wait, pending, for a solve that takes as long as it needs.
+void Service::settle_instead() {
+  settle_next_ = true;
+  announce(Severity::kInfo, "solve_deferred",
+           "a live solve would take more than " + std::to_string(options_.solve_work) +
+               "e9 multiplications (solve: work_limit): the map is settled next",
+           head_.graph().graph_revision);
 }
 
 void Service::tell_trouble(const MapSolution& solution) {
@@ -159,7 +176,7 @@ bool Service::commit_solution(const Solved& solved) {
   Revision next = journal_.head().revision;
   ++next.number;
   const std::vector<RecordBody> records =
-      apply_solution(head_, solved.base, solved.solution, next, solved.kind);
+      apply_solution(head_, solved.base, solved.solution, next, solved.method);
   pass(ServicePoint::kBeforeCommit);
   const Result<Revision> appended = journal_.append(records);
   pass(ServicePoint::kCommitted);

@@ -52,6 +52,9 @@ struct StoredFactor {
 /// The numbers of an estimate, as in NewVariable::start; the rest is zero.
 using Estimate = std::array<double, 7>;
 
+/// How many loop closures tie two robots, or two odometry epochs, into one map, by default.
+inline constexpr std::size_t kLoopsThatMerge = 3;
+
 /// Everything a daemon knows of its map at one revision. A value whose copies share memory: taking
 /// one costs microseconds, whatever the size (a snapshot), and keeps its content while the original
 /// goes on.
@@ -60,7 +63,9 @@ struct PoseGraph {
   Revision solved_revision;  ///< what the estimates of the last solve were computed from
   std::size_t first_unsolved_factor =
       0;                              ///< place in `factors`: those from here on came since then
-  bool switched_since_solve = false;  ///< factors were switched on or off since then
+  bool switched_since_solve = false;  ///< factors were switched, or nodes frozen, since then
+  std::size_t loops_that_merge = kLoopsThatMerge;  ///< as the last solve had it
+  NodeIndex frozen_nodes = 0;  ///< the first so many stay where they are: the frozen map
   ChunkedVector<StoredNode> nodes;
   ChunkedVector<Estimate> estimates;  ///< by node: T_map_body or p_map
   ChunkedVector<StoredFactor> factors;

@@ -31,6 +31,11 @@ void commit_what_no_gate_saw(const SolveRecord& record, const Revision& base, Ma
   if (SolveSettings::parse(record.settings).ungated()) head.commit_loops(base);
 }
 
+void note_method(const SolveRecord& record, MapHead& head) {
+  if (const auto method = SolveSettings::parse(record.settings).known())
+    head.set_loops_that_merge(method->loops_that_merge);
+}
+
 Result<void> apply(const SolveRecord& record, const Revision& revision, MapHead& head) {
   std::vector<std::pair<NodeIndex, Estimate>> changed;
   changed.reserve(record.changed.size());
@@ -42,6 +47,7 @@ Result<void> apply(const SolveRecord& record, const Revision& revision, MapHead&
   Revision base = revision;
   base.number = record.base;
   head.apply_estimates(changed, base, revision);
+  note_method(record, head);
   commit_what_no_gate_saw(record, base, head);
   return {};
 }
@@ -56,9 +62,12 @@ Result<void> apply(const VerdictRecord& record, const Revision& revision, MapHea
 Result<void> apply(const CommandRecord& record, const Revision& revision, MapHead& head) {
   const auto order = order_of(record);
   if (!order) return broken(revision.number, order.error().message);
-  const std::vector<FactorEdit> edits = *order ? (*order)->edits : std::vector<FactorEdit>();
-  if (const auto refusal = head.check(edits)) return broken(revision.number, refusal->reason);
-  head.apply(edits, revision);
+  const Order changes = *order ? **order : Order();
+  if (const auto refusal = head.check(changes.edits))
+    return broken(revision.number, refusal->reason);
+  if (changes.frozen && changes.frozen->after > head.graph().nodes.size())
+    return broken(revision.number, "it freezes more nodes than there are");
+  apply(changes, revision, head);
   return {};
 }
 
@@ -79,6 +88,7 @@ Result<void> apply_beside_estimates(const Record& record, std::uint64_t store, M
   const auto* solve = std::get_if<SolveRecord>(&record.body);
   if (solve == nullptr) return apply_record(record, store, head);
   commit_what_no_gate_saw(*solve, {store, record.era, solve->base}, head);
+  note_method(*solve, head);
   head.pass_over({store, record.era, record.number});
   return {};
 }

@@ -40,7 +40,7 @@ Result<Content> collect(const Question& question, const Asked& asked) {
     }
     return content;
   }
-  SettledEstimate settled = settle(content.map, asked.keep_going);
+  SettledEstimate settled = settle(content.map, {.keep_going = asked.keep_going});
   if (!settled.summary.usable())
     return Error{ErrorCode::kNotUsable, unsettled_text(settled.summary)};
   content.order = std::move(settled.order);

@@ -141,6 +141,23 @@ Result<std::vector<FactorEdit>> undo_order(std::uint64_t number, const Order& or
   return edits;
 }
 
+Result<Order> freeze_first(NodeIndex nodes, std::string asked, const MapHead& head) {
+  if (nodes > 0 && head.graph().solved_revision.number < head.last_input())
+    return Error{ErrorCode::kNotUsable,
+                 "the newest input is not solved yet, and a map is frozen as it was solved: run "
+                 "cairn settle first"};
+  Order order{std::move(asked)};
+  const NodeIndex before = head.graph().frozen_nodes;
+  if (nodes != before) order.frozen = {before, nodes};
+  return order;
+}
+
+Result<Order> order_frozen(const Question& question, const MapHead& head) {
+  if (auto known = question.check_options({"operator", "reason"}); !known) return known.error();
+  const auto all = static_cast<NodeIndex>(head.graph().nodes.size());
+  return freeze_first(question.verb == "freeze" ? all : 0, asked_by(question), head);
+}
+
 Result<Order> order_undo(const Question& question, const Journal& journal, const MapHead& head) {
   if (auto known = question.check_options({"record", "cascade", "operator", "reason"}); !known)
     return known.error();
@@ -154,6 +171,8 @@ Result<Order> order_undo(const Question& question, const Journal& journal, const
   if (const auto* command = std::get_if<CommandRecord>(&record->body)) {
     const auto order = order_of(*command);
     if (!order) return order.error();
+    if (*order && (*order)->frozen)
+      return freeze_first((*order)->frozen->before, asked_by(question), head);
     if (*order) edits = undo_order(number, **order, head);
   } else if (const auto* sent = std::get_if<TransactionRecord>(&record->body)) {
     if (std::holds_alternative<Transaction>(sent->outcome))
@@ -181,16 +200,30 @@ std::optional<FactorEdit> edit_of(const Json& json) {
   return FactorEdit{{key, json[3].get<std::uint32_t>()}, *change};
 }
 
+std::optional<Order::Frozen> frozen_of(const Json& json) {
+  constexpr std::uint64_t kMost = ~NodeIndex{0};
+  const auto is_count = [](const Json& number) {
+    return number.is_number_unsigned() && number.get<std::uint64_t>() <= kMost;
+  };
+  if (!json.is_array() || json.size() != 2 || !is_count(json[0]) || !is_count(json[1]))
+    return std::nullopt;
+  return Order::Frozen{json[0].get<NodeIndex>(), json[1].get<NodeIndex>()};
+}
+
 }  // namespace
 
 bool is_order(const Question& question) {
-  if (question.verb == "undo") return true;
+  for (const char* verb : {"undo", "freeze", "thaw"})
+    if (question.verb == verb) return true;
   return question.verb.starts_with("edge ") && change_named(question.verb.substr(5));
 }
 
 Result<Order> make_order(const Question& question, const Journal& journal, const MapHead& head) {
-  Result<Order> order =
-      question.verb == "undo" ? order_undo(question, journal, head) : order_edges(question, head);
+  Result<Order> order = [&]() -> Result<Order> {
+    if (question.verb == "undo") return order_undo(question, journal, head);
+    if (question.verb.starts_with("edge ")) return order_edges(question, head);
+    return order_frozen(question, head);
+  }();
   if (!order) return order;
   // Names are bytes, JSON is UTF-8.
   const auto kept = order_of(to_record(*order, question, 0));
@@ -206,8 +239,9 @@ Result<Order> make_order(const Question& question, const Journal& journal, const
 CommandRecord to_record(const Order& order, const Question& question, std::int64_t time_ns) {
   Json edits = Json::array();
   for (const FactorEdit& edit : order.edits) edits.push_back(to_json(edit));
-  return {question.text("operator"), question.text("reason"),
-          dump({{"asked", order.asked}, {"edits", std::move(edits)}}, -1), time_ns};
+  Json json{{"asked", order.asked}, {"edits", std::move(edits)}};
+  if (order.frozen) json["frozen"] = {order.frozen->before, order.frozen->after};
+  return {question.text("operator"), question.text("reason"), dump(json, -1), time_ns};
 }
 
 Result<std::optional<Order>> order_of(const CommandRecord& record) {
@@ -218,7 +252,11 @@ Result<std::optional<Order>> order_of(const CommandRecord& record) {
   const auto asked = whole.find("asked"), edits = whole.find("edits");
   if (asked == whole.end() || !asked->is_string() || edits == whole.end() || !edits->is_array())
     return broken;
-  Order order{asked->get<std::string>(), {}};
+  Order order{asked->get<std::string>()};
+  if (const auto frozen = whole.find("frozen"); frozen != whole.end()) {
+    order.frozen = frozen_of(*frozen);
+    if (!order.frozen) return broken;
+  }
   for (const Json& json : *edits) {
     auto edit = edit_of(json);
     if (!edit) return broken;
@@ -227,10 +265,20 @@ Result<std::optional<Order>> order_of(const CommandRecord& record) {
   return std::optional(std::move(order));
 }
 
-std::string count_changes(const std::vector<FactorEdit>& edits) {
+void apply(const Order& order, const Revision& revision, MapHead& head) {
+  if (order.frozen)
+    head.freeze(order.frozen->after, revision);
+  else
+    head.apply(order.edits, revision);
+}
+
+std::string count_changes(const Order& order) {
+  if (order.frozen)
+    return order.frozen->after == 0 ? "all nodes may move again"
+                                    : std::to_string(order.frozen->after) + " nodes frozen";
   constexpr std::array kDone{" disabled", " enabled", " removed"};
   std::array<std::size_t, 3> counts{};
-  for (const FactorEdit& edit : edits) ++counts[static_cast<std::size_t>(edit.change)];
+  for (const FactorEdit& edit : order.edits) ++counts[static_cast<std::size_t>(edit.change)];
   std::string text;
   for (std::size_t i = 0; i < counts.size(); ++i) {
     if (counts[i] == 0) continue;

@@ -142,7 +142,7 @@ std::string summary(const TransactionRecord& record) {
 std::string summary(const CommandRecord& record) {
   const auto order = order_of(record);
   const std::string what =
-      order && *order ? name_of(**order) + ": " + count_changes((*order)->edits) : record.command;
+      order && *order ? name_of(**order) + ": " + count_changes(**order) : record.command;
   return record.operator_name + ": " + what +
          (record.reason.empty() ? "" : " (" + record.reason + ')');
 }

@@ -2,6 +2,7 @@
 #include "cairn/history/solve_record.hpp"
 
 #include <algorithm>
+#include <charconv>
 #include <cstdio>
 #include <iterator>
 
@@ -11,47 +12,54 @@
 namespace cairn {
 namespace {
 
-// By SolveKind.
-constexpr const char* kMethods[] = {
-    "lm, multifrontal, portable, initialization auto, gate 3",
-    "lm, multifrontal, portable, initialization auto, quick gate 3, changes over 1e-6",
+// By SolveKind; "gate N": N loops merge.
+constexpr std::string_view kMethods[] = {
+    "lm, multifrontal, portable, initialization auto, gate ",
+    "lm, multifrontal, portable, initialization auto, quick gate ",
     "lm, multifrontal, portable, initialization auto",
     "lm, multifrontal, portable, initialization auto, changes over 1e-6",
 };
-static_assert(kLoopsThatMerge == 3, "it stands in the names of methods");
+constexpr std::string_view kLiveChanges = ", changes over 1e-6";
 
 bool is_live(SolveKind kind) { return kind == SolveKind::kLive || kind == SolveKind::kUngatedLive; }
+bool is_gated(SolveKind kind) { return kind == SolveKind::kSettled || kind == SolveKind::kLive; }
 constexpr char kSeparator[] = "; ";
 
 }  // namespace
 
-SolveSettings SolveSettings::here(SolveKind kind) {
-  return {kMethods[static_cast<int>(kind)], describe_platform()};
+SolveSettings SolveSettings::here(const SolveMethod& method) {
+  std::string text(kMethods[static_cast<int>(method.kind)]);
+  if (is_gated(method.kind)) text += std::to_string(method.loops_that_merge);
+  if (method.kind == SolveKind::kLive) text += kLiveChanges;
+  return {std::move(text), describe_platform()};
 }
 
-std::optional<SolveKind> SolveSettings::kind() const {
-  const auto found = std::find(std::begin(kMethods), std::end(kMethods), method);
-  if (found == std::end(kMethods)) return std::nullopt;
-  return static_cast<SolveKind>(found - std::begin(kMethods));
+std::optional<SolveMethod> SolveSettings::known() const {
+  for (const SolveKind kind : {SolveKind::kUngated, SolveKind::kUngatedLive})
+    if (method == kMethods[static_cast<int>(kind)]) return SolveMethod{kind};
+  for (const SolveKind kind : {SolveKind::kSettled, SolveKind::kLive}) {
+    const std::string_view name = kMethods[static_cast<int>(kind)];
+    if (!method.starts_with(name)) continue;
+    SolveMethod found{kind, 0};
+    const char* const end = method.data() + method.size();
+    const auto [rest, error] =
+        std::from_chars(method.data() + name.size(), end, found.loops_that_merge);
+    if (error == std::errc() && method == here(found).method) return found;
+  }
+  return std::nullopt;
 }
 
 bool SolveSettings::ungated() const {
-  const auto known = kind();
-  return known && (*known == SolveKind::kUngated || *known == SolveKind::kUngatedLive);
+  const auto known_method = known();
+  return known_method && !is_gated(known_method->kind);
 }
 
-MapSolution solve_as(SolveKind kind, const PoseGraph& map,
-                     const std::function<bool()>& keep_going) {
-  switch (kind) {
-    case SolveKind::kSettled:
-      return solve_map(map, Gate::kWhole, keep_going);
-    case SolveKind::kLive:
-      return solve_map(map, Gate::kQuick, keep_going);
-    case SolveKind::kUngated:
-    case SolveKind::kUngatedLive:
-      break;
-  }
-  return solve_map(map, Gate::kOpen, keep_going);
+MapSolution solve_as(const SolveMethod& method, const PoseGraph& map, SettleOptions options) {
+  options.loops_that_merge = method.loops_that_merge;
+  options.gate = method.kind == SolveKind::kSettled ? Gate::kWhole
+                 : method.kind == SolveKind::kLive  ? Gate::kQuick
+                                                    : Gate::kOpen;
+  return solve_map(map, options);
 }
 
 SolveSettings SolveSettings::parse(const std::string& text) {
@@ -99,7 +107,8 @@ std::vector<VerdictRecord> verdict_records(const PoseGraph& map, const MapSoluti
 }
 
 std::vector<RecordBody> apply_solution(MapHead& head, const Revision& base,
-                                       const MapSolution& solution, Revision next, SolveKind kind) {
+                                       const MapSolution& solution, Revision next,
+                                       const SolveMethod& method) {
   std::vector<RecordBody> records;
   for (VerdictRecord& verdict : verdict_records(head.graph(), solution))
     records.emplace_back(std::move(verdict));
@@ -107,10 +116,10 @@ std::vector<RecordBody> apply_solution(MapHead& head, const Revision& base,
     head.judge(verdict.factor, verdict.state, next);
     ++next.number;
   }
-  const auto changed = kept_changes(head.graph(), solution, kind);
+  const auto changed = kept_changes(head.graph(), solution, method.kind);
   SolveRecord record;
   record.base = base.number;
-  record.settings = SolveSettings::here(kind).to_string();
+  record.settings = SolveSettings::here(method).to_string();
   record.start = "as sent";
   for (const auto& [node, estimate] : changed) {
     const StoredNode& stored = head.graph().nodes[node];
@@ -118,7 +127,8 @@ std::vector<RecordBody> apply_solution(MapHead& head, const Revision& base,
     record.changed.push_back({stored.id, stored.type, {numbers, numbers + stored.start.size()}});
   }
   head.apply_estimates(changed, base, next);
-  if (SolveSettings::here(kind).ungated()) head.commit_loops(base);
+  head.set_loops_that_merge(method.loops_that_merge);
+  if (!is_gated(method.kind)) head.commit_loops(base);
   record.estimates_hash = hash_estimates(head.graph());
   records.emplace_back(std::move(record));
   return records;

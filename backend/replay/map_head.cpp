@@ -210,7 +210,16 @@ void MapHead::apply(std::span<const FactorEdit> edits, const Revision& revision)
         break;
     }
   }
-  if (edits.empty()) return;
+  if (!edits.empty()) note_switch(revision);
+}
+
+void MapHead::freeze(NodeIndex nodes, const Revision& revision) {
+  advance(revision);
+  graph_.frozen_nodes = nodes;
+  note_switch(revision);
+}
+
+void MapHead::note_switch(const Revision& revision) {
   last_switch_ = revision.number;
   graph_.switched_since_solve = true;
 }
@@ -273,7 +282,8 @@ MapHead::Consequences MapHead::consequences_of(std::uint64_t record) const {
 
 void MapHead::apply_estimates(std::span<const std::pair<NodeIndex, Estimate>> changed,
                               const Revision& base, const Revision& revision) {
-  for (const auto& [node, estimate] : changed) graph_.estimates.edit(node) = estimate;
+  for (const auto& [node, estimate] : changed)
+    if (node >= graph_.frozen_nodes) graph_.estimates.edit(node) = estimate;
   take_as_solved(base);
   pass_over(revision);
   const auto first_since =
@@ -291,7 +301,7 @@ void MapHead::take_as_solved(const Revision& base) {
 }
 
 void MapHead::compose_from(NodeIndex first) {
-  for (NodeIndex node = first; node < graph_.nodes.size(); ++node) {
+  for (NodeIndex node = std::max(first, graph_.frozen_nodes); node < graph_.nodes.size(); ++node) {
     const auto estimate = composed(node);
     if (estimate && *estimate != graph_.estimates[node]) graph_.estimates.edit(node) = *estimate;
   }

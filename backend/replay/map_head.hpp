@@ -34,6 +34,10 @@ class MapHead {
   /// that have come since onto them.
   void apply_estimates(std::span<const std::pair<NodeIndex, Estimate>> changed,
                        const Revision& base, const Revision& revision);
+  /// Holds the first `nodes` nodes where they are from now on; 0: all may move again.
+  void freeze(NodeIndex nodes, const Revision& revision);
+  /// The number that the last solve had.
+  void set_loops_that_merge(std::size_t loops) { graph_.loops_that_merge = loops; }
   /// The gate's word on a loop closure; nothing happens to one that somebody has switched off.
   void judge(std::size_t factor, FactorState state, const Revision& revision);
   /// Everything that was pending at the base of a solve that asked no gate.
@@ -84,6 +88,7 @@ class MapHead {
                                                             const Transaction& transaction) const;
   [[nodiscard]] std::optional<Estimate> composed(NodeIndex node) const;
   void compose_from(NodeIndex first);
+  void note_switch(const Revision& revision);
   void take_as_solved(const Revision& base);
   void set_state(std::size_t factor, FactorState state);
   [[nodiscard]] bool is_own(const NodeId& node, const Transaction& transaction) const;
@@ -101,7 +106,7 @@ class MapHead {
   std::vector<std::uint64_t> record_of_factor_;  ///< by place in graph_.factors; ascending
   std::uint64_t last_input_ = 0;
   std::size_t quarantined_ = 0;
-  std::uint64_t last_switch_ = 0;  ///< the last record that switched factors
+  std::uint64_t last_switch_ = 0;  ///< the last record that switched factors, or froze nodes
   /// By place of a factor, the last record of a transaction that switched it.
   std::map<std::size_t, std::uint64_t> switched_by_;
   std::unordered_map<NodeId, NodeIndex> index_of_node_;

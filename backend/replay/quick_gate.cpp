@@ -42,7 +42,7 @@ double chi2_of(const Graph& graph, const Values& values, Counts counts) {
 
 // Of the optimum without the newcomers: that of the map's estimates, where they are one.
 double chi2_without(const PoseGraph& map, const CanonicalOrder& order, const Graph& graph,
-                    const std::vector<bool>& is_old, const std::function<bool()>& keep_going) {
+                    const std::vector<bool>& is_old, const SettleOptions& options) {
   const Values estimates = estimates_of(map, order, graph);
   const double unsolved = chi2_of(graph, estimates, [&](std::size_t i) {
     return is_old[i] && order.factors[i] >= map.first_unsolved_factor;
@@ -50,7 +50,7 @@ double chi2_without(const PoseGraph& map, const CanonicalOrder& order, const Gra
   if (unsolved <= kNothing)
     return chi2_of(graph, estimates, [&](std::size_t i) { return is_old[i]; });
   Graph old = graph.with_factors(is_old);
-  return optimize(old, settle_options(keep_going)).final_chi2;
+  return optimize(old, optimizer_options(options)).final_chi2;
 }
 
 // One that is out, and by its own error could well be in: not one at the limit, about which the
@@ -71,8 +71,7 @@ bool another_fits(const PoseGraph& map, const SettledEstimate& settled, double t
 
 }  // namespace
 
-std::optional<SettledEstimate> try_newcomers(const PoseGraph& map,
-                                             const std::function<bool()>& keep_going) {
+std::optional<SettledEstimate> try_newcomers(const PoseGraph& map, const SettleOptions& options) {
   if (map.switched_since_solve) return std::nullopt;  // verdicts may stand on what is gone
   const auto is_new = [&](std::uint32_t f) {
     return map.factors[f].state == FactorState::kPending && f >= map.first_unsolved_factor;
@@ -89,11 +88,11 @@ std::optional<SettledEstimate> try_newcomers(const PoseGraph& map,
     if (!is_old.back()) newcomers.push_back(i);
   }
   if (newcomers.empty()) {
-    settled.summary = optimize(settled.graph, settle_options(keep_going));
+    settled.summary = optimize(settled.graph, optimizer_options(options));
     return settled;
   }
-  const double before = chi2_without(map, settled.order, settled.graph, is_old, keep_going);
-  LoopTrial trial = try_loops(settled.graph, newcomers, before, settle_options(keep_going));
+  const double before = chi2_without(map, settled.order, settled.graph, is_old, options);
+  LoopTrial trial = try_loops(settled.graph, newcomers, before, optimizer_options(options));
   if (trial.summary.stop_reason != StopReason::kInterrupted &&
       (!trial.passed || another_fits(map, settled, trial.threshold)))
     return std::nullopt;

@@ -169,9 +169,14 @@ Graph canonical_graph(const PoseGraph& map, const CanonicalOrder& order) {
   Graph graph;
   graph.reserve(order.nodes.size());
   for (std::size_t place = 0; place < order.nodes.size(); ++place) {
-    const StoredNode& node = map.nodes[order.nodes[place]];
-    const bool added = add_variable(graph, VariableId{place}, node.type, node.start).ok();
+    const NodeIndex index = order.nodes[place];
+    const StoredNode& node = map.nodes[index];
+    const bool frozen = index < map.frozen_nodes;
+    const double* const numbers = frozen ? map.estimates[index].data() : node.start.data();
+    const auto added =
+        add_variable(graph, VariableId{place}, node.type, {numbers, node.start.size()});
     CAIRN_CHECK(added, "a node of the map that a graph refuses");
+    graph.set_fixed(*added, frozen);
   }
   const std::vector<std::uint32_t> place_of_node = inverse(order.nodes, map);
   for (const std::uint32_t f : order.factors) {
@@ -188,42 +193,47 @@ Graph canonical_graph(const PoseGraph& map, const CanonicalOrder& order) {
   return graph;
 }
 
-SolveOptions settle_options(const std::function<bool()>& keep_going) {
+SolveOptions optimizer_options(const SettleOptions& settling) {
   SolveOptions options{.kernel = Kernel::kPortable, .init = InitMethod::kAuto};
-  if (keep_going) options.on_iteration = [keep_going](int, const auto&) { return keep_going(); };
+  options.work = settling.work;
+  options.eliminations = settling.eliminations;
+  if (settling.keep_going)
+    options.on_iteration = [ask = settling.keep_going](int, const auto&) { return ask(); };
   return options;
 }
 
-SettledEstimate settle(const PoseGraph& map, const std::function<bool()>& keep_going) {
-  return settle(map, CanonicalOrder(map), Gate::kWhole, keep_going);
+SettledEstimate settle(const PoseGraph& map, const SettleOptions& options) {
+  return settle(map, CanonicalOrder(map), options);
 }
 
-SettledEstimate settle(const PoseGraph& map, CanonicalOrder part, Gate gate,
-                       const std::function<bool()>& keep_going) {
+SettledEstimate settle(const PoseGraph& map, CanonicalOrder part, const SettleOptions& options) {
   Graph graph = canonical_graph(map, part);
-  if (gate == Gate::kOpen) {
-    SolveSummary summary = optimize(graph, settle_options(keep_going));
+  if (options.gate == Gate::kOpen) {
+    SolveSummary summary = optimize(graph, optimizer_options(options));
     return {std::move(part), std::move(graph), std::move(summary)};
   }
-  const GateOptions options{kLoopsThatMerge, frames_of(map, part), keep_going};
-  GatedSolution solution = solve_gated(graph, settle_options(keep_going), options);
+  const GateOptions gate{options.loops_that_merge.value_or(map.loops_that_merge),
+                         frames_of(map, part), options.keep_going};
+  GatedSolution solution = solve_gated(graph, optimizer_options(options), gate);
   SettledEstimate settled{std::move(part), std::move(graph), std::move(solution.summary)};
   if (settled.summary.usable()) take_verdicts(map, solution, settled);
   return settled;
 }
 
-std::vector<std::pair<NodeIndex, Estimate>> estimates_of(const SettledEstimate& settled) {
+std::vector<std::pair<NodeIndex, Estimate>> estimates_of(const PoseGraph& map,
+                                                         const SettledEstimate& settled) {
   std::vector<std::pair<NodeIndex, Estimate>> estimates;
   estimates.reserve(settled.order.nodes.size());
   for (std::uint32_t place = 0; place < settled.order.nodes.size(); ++place)
-    estimates.emplace_back(settled.order.nodes[place],
-                           to_estimate(describe_value(settled.graph, place)));
+    if (settled.order.nodes[place] >= map.frozen_nodes)
+      estimates.emplace_back(settled.order.nodes[place],
+                             to_estimate(describe_value(settled.graph, place)));
   return estimates;
 }
 
 std::vector<std::pair<NodeIndex, Estimate>> changed_estimates(const PoseGraph& map,
                                                               const SettledEstimate& settled) {
-  return changed_estimates(map, estimates_of(settled), 0.0);
+  return changed_estimates(map, estimates_of(map, settled), 0.0);
 }
 
 std::vector<std::pair<NodeIndex, Estimate>> changed_estimates(

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -36,19 +37,17 @@ struct LoopVerdict {
 };
 
 /// The enabled part of a map as a graph whose variable ids are places in the canonical order, at
-/// the start values that were sent.
+/// the start values that were sent. Frozen nodes are fixed at their estimates.
 Graph canonical_graph(const PoseGraph& map, const CanonicalOrder& order);
 
-/// The settled estimate: a function of the set of nodes and enabled factors only, bit for bit.
+/// The settled estimate: a function of the set of nodes and enabled factors, and of the estimates
+/// of what is frozen, bit for bit.
 struct SettledEstimate {
   CanonicalOrder order;                 ///< without the factors that the gate has left out
   Graph graph;                          ///< as canonical_graph(), optimized
   SolveSummary summary;                 ///< not usable: take nothing from the rest
   std::vector<LoopVerdict> verdicts{};  ///< of every loop closure between poses that is enabled
 };
-
-/// How many loop closures tie two robots, or two odometry epochs, into one map.
-inline constexpr std::size_t kLoopsThatMerge = 3;
 
 /// Which loop closures an estimate is to have in it.
 enum class Gate : std::uint8_t {
@@ -57,18 +56,33 @@ enum class Gate : std::uint8_t {
   kQuick,  ///< those that are in and what is new, where it fits them; else as kWhole. solve_map()
 };
 
+/// How a map is solved. None of it is owned.
+struct SettleOptions {
+  Gate gate = Gate::kWhole;
+  std::optional<std::size_t> loops_that_merge{};  ///< else as the map's last solve had it
+  /// Asked now and then; false leaves an unusable, interrupted result.
+  std::function<bool()> keep_going{};
+  WorkBudget* work = nullptr;                ///< where it is spent, the same with kWorkLimit
+  EliminationCache* eliminations = nullptr;  ///< kept from one solve to the next
+
+  [[nodiscard]] SettleOptions with(Gate other) const {
+    SettleOptions options = *this;
+    options.gate = other;
+    return options;
+  }
+};
+
 /// Batch optimization with fixed settings (Levenberg-Marquardt, initialization auto, portable
 /// kernel, one thread), and the gate (solver/loop_gate.hpp).
-/// `keep_going` is asked now and then; false leaves an unusable, interrupted result.
-SettledEstimate settle(const PoseGraph& map, const std::function<bool()>& keep_going = {});
+SettledEstimate settle(const PoseGraph& map, const SettleOptions& options = {});
 /// The same of a part of the map: whole components, in canonical order.
-SettledEstimate settle(const PoseGraph& map, CanonicalOrder part, Gate gate,
-                       const std::function<bool()>& keep_going);
-/// Its options.
-SolveOptions settle_options(const std::function<bool()>& keep_going);
+SettledEstimate settle(const PoseGraph& map, CanonicalOrder part, const SettleOptions& options);
+/// The settings of the optimizer.
+SolveOptions optimizer_options(const SettleOptions& options);
 
-/// By node, in canonical order.
-std::vector<std::pair<NodeIndex, Estimate>> estimates_of(const SettledEstimate& settled);
+/// By node, in canonical order; but of what is frozen.
+std::vector<std::pair<NodeIndex, Estimate>> estimates_of(const PoseGraph& map,
+                                                         const SettledEstimate& settled);
 
 /// What a settled estimate changes in a map, by node.
 std::vector<std::pair<NodeIndex, Estimate>> changed_estimates(const PoseGraph& map,

@@ -47,14 +47,20 @@ std::uint32_t worst_factor(const PoseGraph& map, const CanonicalOrder& part) {
   return worst;
 }
 
+bool is_frozen(const PoseGraph& map, const StoredFactor& factor) {
+  return std::all_of(factor.nodes.begin(), factor.nodes.end(),
+                     [&](NodeIndex node) { return node < map.frozen_nodes; });
+}
+
 void take(const PoseGraph& map, SettledEstimate&& settled, MapSolution& solution) {
   for (LoopVerdict& verdict : settled.verdicts) {
+    if (is_frozen(map, map.factors[verdict.factor])) continue;  // it moves nothing
     const bool is_new = verdict.factor >= map.first_unsolved_factor;
     const bool waits = is_new && verdict.state == FactorState::kPending;
     if (waits || map.factors[verdict.factor].state != verdict.state)
       solution.verdicts.push_back(std::move(verdict));
   }
-  const auto found = estimates_of(settled);
+  const auto found = estimates_of(map, settled);
   solution.estimates.insert(solution.estimates.end(), found.begin(), found.end());
   solution.chi2 += settled.summary.final_chi2;
   for (UnderConstrainedVariable& variable : settled.summary.under_constrained)
@@ -62,27 +68,35 @@ void take(const PoseGraph& map, SettledEstimate&& settled, MapSolution& solution
         {settled.order.nodes[variable.id.value], std::move(variable.free_directions)});
 }
 
+// By somebody, or by the limit of its work: where it got to depends on more than the map.
+bool was_ended(const SolveSummary& summary) {
+  return summary.stop_reason == StopReason::kInterrupted ||
+         summary.stop_reason == StopReason::kWorkLimit;
+}
+
 // Without estimates where the short way does not lead there.
-MapSolution solve_quickly(const PoseGraph& map, const std::function<bool()>& keep_going) {
+MapSolution solve_quickly(const PoseGraph& map, const SettleOptions& options) {
   MapSolution solution;
-  std::optional<SettledEstimate> settled = try_newcomers(map, keep_going);
+  std::optional<SettledEstimate> settled = try_newcomers(map, options);
   if (!settled) return solution;
   solution.whole = settled->summary;
-  if (solution.whole.usable()) take(map, std::move(*settled), solution);
+  if (solution.whole.usable() && !was_ended(solution.whole))
+    take(map, std::move(*settled), solution);
   return solution;
 }
 
 }  // namespace
 
-MapSolution solve_map(const PoseGraph& map, Gate gate, const std::function<bool()>& keep_going) {
-  if (gate == Gate::kQuick) {
-    MapSolution quick = solve_quickly(map, keep_going);
-    if (quick.usable() || quick.whole.stop_reason == StopReason::kInterrupted) return quick;
-    gate = Gate::kWhole;
+MapSolution solve_map(const PoseGraph& map, const SettleOptions& options) {
+  if (options.gate == Gate::kQuick) {
+    MapSolution quick = solve_quickly(map, options);
+    if (quick.usable() || was_ended(quick.whole)) return quick;
+    return solve_map(map, options.with(Gate::kWhole));
   }
   MapSolution solution;
-  SettledEstimate settled = settle(map, CanonicalOrder(map), gate, keep_going);
+  SettledEstimate settled = settle(map, options);
   solution.whole = settled.summary;
+  if (was_ended(solution.whole)) return solution;
   const auto by_factor = [&] {
     std::sort(solution.verdicts.begin(), solution.verdicts.end(),
               [](const LoopVerdict& a, const LoopVerdict& b) { return a.factor < b.factor; });
@@ -92,13 +106,9 @@ MapSolution solve_map(const PoseGraph& map, Gate gate, const std::function<bool(
     by_factor();
     return solution;
   }
-  const auto interrupted = [](const SolveSummary& summary) {
-    return summary.stop_reason == StopReason::kInterrupted;
-  };
-  if (interrupted(solution.whole)) return solution;
   for (CanonicalOrder& part : parts_of(map, settled.order)) {
-    SettledEstimate own = settle(map, std::move(part), gate, keep_going);
-    if (interrupted(own.summary)) {
+    SettledEstimate own = settle(map, std::move(part), options);
+    if (was_ended(own.summary)) {
       MapSolution nothing;
       nothing.whole = std::move(own.summary);
       return nothing;

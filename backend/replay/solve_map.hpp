@@ -41,12 +41,12 @@ struct MapSolution {
 };
 
 /// settle(), and where that fails each connected component for itself: what is wrong with one robot
-/// does not hold up the others. `keep_going` as there; an interrupted solution has no estimates.
+/// does not hold up the others. A solution that was interrupted, or reached the limit of its work,
+/// has no estimates.
 ///
 /// Gate::kQuick solves with the committed factors and the loop closures that have come since the
 /// last solve, and is done where these fit (solver/loop_trial.hpp) and where none that is
 /// quarantined would fit now. Else all verdicts are found anew.
-MapSolution solve_map(const PoseGraph& map, Gate gate = Gate::kWhole,
-                      const std::function<bool()>& keep_going = {});
+MapSolution solve_map(const PoseGraph& map, const SettleOptions& options = {});
 
 }  // namespace cairn

@@ -22,7 +22,8 @@ constexpr double kFits = 4;             // medians, of a solution taken without 
 constexpr int kIterationsWithAll = 20;  // more are spent only where loops fit together
 constexpr int kMostRounds = 8;          // of leaving out, and of taking back
 constexpr std::size_t kMostOpponents = 3;
-constexpr double kLeastShare = 0.01;  // of a loop's information that is not its own solution's
+constexpr double kLeastShare = 0.01;     // of a loop's information that is not its own solution's
+constexpr double kComparisonWork = 2e5;  // multiplications: a group against 300, at most
 
 template <class Pose>
 class LoopGate {
@@ -34,6 +35,7 @@ class LoopGate {
         cycles_(graph),
         ties_(graph, ties_of(graph, cycles_), gate.loops_that_join, gate.frames) {
     options_.loss = {};
+    if (options_.eliminations == nullptr) options_.eliminations = &eliminations_;
     if (!keep_going_) return;
     options_.on_iteration = [this, tell = options.on_iteration](int i, const IterationReport& r) {
       return keep_going_() && (!tell || tell(i, r));
@@ -66,11 +68,21 @@ class LoopGate {
     return largest_chi2(kDimension) / median_chi2(kDimension) * scale_;
   }
 
+  [[nodiscard]] bool work_is_spent() const {
+    return options_.work != nullptr && options_.work->spent();
+  }
+  // Asked before a group is compared with those that follow.
+  bool may_go_on() {
+    if (options_.work != nullptr) options_.work->spend(kComparisonWork);
+    return !work_is_spent() && (!keep_going_ || keep_going_());
+  }
+
   // False where the work is to end.
   bool take_groups() {
-    std::optional<LoopGroups> found = find_groups(cycles_, keep_going_);
+    std::optional<LoopGroups> found = find_groups(cycles_, [this] { return may_go_on(); });
     if (!found) {
-      result_.summary.stop_reason = StopReason::kInterrupted;
+      result_.summary.stop_reason =
+          work_is_spent() ? StopReason::kWorkLimit : StopReason::kInterrupted;
       return false;
     }
     groups_ = std::move(*found);
@@ -192,10 +204,15 @@ class LoopGate {
     options.init = init;
     options.max_iterations = iterations;
     result_.summary = optimize(rest, options);
+    if (work_is_spent()) {  // a verdict would depend on how far it came
+      result_.summary.stop_reason = StopReason::kWorkLimit;
+      result_.summary.usable_result = false;
+    }
     graph_.values() = rest.values();
   }
   [[nodiscard]] bool interrupted() const {
-    return result_.summary.stop_reason == StopReason::kInterrupted;
+    return result_.summary.stop_reason == StopReason::kInterrupted ||
+           result_.summary.stop_reason == StopReason::kWorkLimit;
   }
 
   // chi2 at the solution over its median, were the information right.
@@ -299,6 +316,7 @@ class LoopGate {
 
   Graph& graph_;
   const Values start_ = graph_.values();
+  EliminationCache eliminations_;  // where the options bring none
   SolveOptions options_;
   std::function<bool()> keep_going_;
   LoopCycles<Pose> cycles_;

@@ -37,7 +37,8 @@ struct GateOptions {
   std::size_t loops_that_join = 3;
   /// By variable (Graph::variables()), any numbers; empty: robots, the top bytes of ids.
   std::vector<std::uint32_t> frames{};
-  /// Asked now and then; false ends the work with StopReason::kInterrupted.
+  /// Asked now and then; false ends the work with StopReason::kInterrupted. Where
+  /// SolveOptions::work is spent, it ends with kWorkLimit.
   std::function<bool()> keep_going{};
 };
 

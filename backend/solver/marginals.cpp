@@ -11,6 +11,8 @@
 namespace cairn {
 namespace {
 
+// One, and the selected inverse, which costs two to three times as much.
+constexpr double kFactorizations = 4.0;
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
 /// d(Log of T_a_b's change) / d(change of a): Exp(-d) * T_a_b = T_a_b * Exp(-Ad(T_a_b^-1) * d).
@@ -114,7 +116,8 @@ Result<Marginals> Marginals::compute(const Graph& graph, const SolveOptions& opt
                                   options.loss_on_loops_only};
   ThreadPool pool(options.threads);
   while (true) {
-    const UnknownLayout layout(problem);
+    const UnknownLayout layout(problem, options.eliminations);
+    if (options.work != nullptr) options.work->spend(kFactorizations * layout.iteration_work);
     NormalEquations equations(problem, layout);
     if (!std::isfinite(equations.linearize(context, pool).cost)) {
       return Error{ErrorCode::kNotUsable,

@@ -62,6 +62,9 @@ class Minimizer {
       const bool go_on = !options_.on_iteration || options_.on_iteration(number, report);
       if (stop) return *stop;
       if (!go_on) return StopReason::kInterrupted;
+      if (options_.work == nullptr) continue;
+      options_.work->spend(equations_.layout().iteration_work);
+      if (options_.work->spent()) return StopReason::kWorkLimit;
     }
     return StopReason::kIterationLimit;
   }

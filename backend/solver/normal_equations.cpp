@@ -2,6 +2,7 @@
 #include "cairn/solver/normal_equations.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 namespace cairn {
 namespace {
@@ -22,6 +23,18 @@ std::vector<int> block_dimensions(const Problem& problem, const UnknownLayout& l
   return dimensions;
 }
 
+// Blocks have few sizes: the mean one stands for all.
+double count_iteration_work(const Problem& problem, const UnknownLayout& layout) {
+  constexpr double kProductsPerFactor = 4.0;  // J^T Omega J of each pair of ends
+  double work = 0.0, dimensions = 0.0;
+  for (const auto& batch : problem.batches)
+    work += kProductsPerFactor * static_cast<double>(batch->size()) *
+            std::pow(batch->residual_dimension(), 3);
+  for (const int dimension : block_dimensions(problem, layout)) dimensions += dimension;
+  const double size = std::max<double>(1.0, static_cast<double>(layout.slot_of_block.size()));
+  return work + layout.elimination.block_operations() * std::pow(dimensions / size, 3);
+}
+
 // H_v += contributions of all factors on v, in factor order; then the gradient likewise.
 template <int d>
 void sum_contributions(const double* first, const double* last, double* block,
@@ -38,7 +51,8 @@ void sum_contributions(const double* first, const double* last, double* block,
 
 }  // namespace
 
-UnknownLayout::UnknownLayout(const Problem& problem) : block_of_slot(problem.held.size(), -1) {
+UnknownLayout::UnknownLayout(const Problem& problem, EliminationCache* cache)
+    : block_of_slot(problem.held.size(), -1) {
   std::vector<int> unknown_slots;
   for (std::size_t slot = 0; slot < problem.held.size(); ++slot) {
     if (problem.held[slot]) continue;
@@ -53,13 +67,14 @@ UnknownLayout::UnknownLayout(const Problem& problem) : block_of_slot(problem.hel
   }
   pairs.resize(kept);
   blocks = BlockGraph::from_pairs(static_cast<int>(unknown_slots.size()), pairs);
-  elimination = find_elimination(blocks);
+  elimination = cache == nullptr ? find_elimination(blocks) : cache->find(blocks);
   slot_of_block.resize(unknown_slots.size());
   for (std::size_t i = 0; i < unknown_slots.size(); ++i) {
     const int position = elimination.position[i];
     block_of_slot[unknown_slots[i]] = position;
     slot_of_block[position] = unknown_slots[i];
   }
+  iteration_work = count_iteration_work(problem, *this);
 }
 
 NormalEquations::NormalEquations(const Problem& problem, const UnknownLayout& layout)

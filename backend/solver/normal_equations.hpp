@@ -7,7 +7,7 @@
 
 #include "cairn/core/parallel.hpp"
 #include "cairn/linear/block_pattern.hpp"
-#include "cairn/linear/elimination.hpp"
+#include "cairn/linear/elimination_cache.hpp"
 #include "cairn/solver/problem.hpp"
 
 namespace cairn {
@@ -15,12 +15,13 @@ namespace cairn {
 /// The unknowns of a problem as blocks of a symmetric matrix, in elimination order. Built once per
 /// pattern.
 struct UnknownLayout {
-  explicit UnknownLayout(const Problem& problem);
+  explicit UnknownLayout(const Problem& problem, EliminationCache* cache = nullptr);
 
   std::vector<int> block_of_slot;  ///< in elimination order, -1 for variables that are held
   std::vector<int> slot_of_block;
-  BlockGraph blocks;        ///< numbered in slot order
-  Elimination elimination;  ///< of `blocks`
+  BlockGraph blocks;            ///< numbered in slot order
+  Elimination elimination;      ///< of `blocks`
+  double iteration_work = 0.0;  ///< multiplications of one linearization and factorization
 };
 
 /// H dx = -g at a linearization point: H = sum J^T Omega J, g = sum J^T Omega e. Structure once,

@@ -69,6 +69,7 @@ SolveStatus status_of(const MinimizerResult& result) {
     case StopReason::kLambdaExhausted:
     case StopReason::kNotFinite:
     case StopReason::kInterrupted:
+    case StopReason::kWorkLimit:
       break;
   }
   return SolveStatus::kFailed;
@@ -104,8 +105,11 @@ class Optimization {
     summary_.components = problem_.components;
     summary_.gauge = problem_.gauge;
     summary_.degrees_of_freedom = degrees_of_freedom(problem_);
-    layout_.emplace(problem_);
+    layout_.emplace(problem_, options_.eliminations);
     initialize(problem_, layout_->elimination, options_, graph_.values(), summary_);
+    if (options_.work != nullptr)
+      options_.work->spend(static_cast<double>(summary_.init_candidates.size()) *
+                           layout_->iteration_work);
     summary_.setup_s = watch_.seconds();
 #ifdef CAIRN_WITH_CERES
     if (options_.linear == LinearBackend::kCeres) {
@@ -154,7 +158,7 @@ class Optimization {
         name_free_variable(slot, directions);
       }
       problem_.drop(dropped);
-      layout_.emplace(problem_);
+      layout_.emplace(problem_, options_.eliminations);
       for (const auto& [slot, directions] : free.anchors) {
         problem_.anchors.push_back({slot, directions});
         name_free_variable(slot, directions);

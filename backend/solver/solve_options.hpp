@@ -3,8 +3,10 @@
 
 #include <functional>
 
+#include "cairn/core/work_budget.hpp"
 #include "cairn/graph/factor_batch.hpp"
 #include "cairn/graph/robust_loss.hpp"
+#include "cairn/linear/elimination_cache.hpp"
 #include "cairn/linear/kernel.hpp"
 
 namespace cairn {
@@ -34,6 +36,10 @@ struct SolveOptions {
   /// Called after each iteration from the solving thread (number from 1, report). Return false to
   /// stop early: the best iterate so far is kept and the stop reason is kInterrupted.
   std::function<bool(int, const IterationReport&)> on_iteration{};
+  /// Ends the solve with StopReason::kWorkLimit, after an iteration, where it is spent. Not owned.
+  WorkBudget* work = nullptr;
+  /// Remembers orders of elimination from one solve to the next. Not owned.
+  EliminationCache* eliminations = nullptr;
 };
 
 }  // namespace cairn

@@ -22,7 +22,7 @@ std::string_view to_string(SolveStatus status) {
 std::string_view to_string(StopReason reason) {
   constexpr std::string_view kNames[] = {"small_step",      "small_decrease",   "gradient",
                                          "iteration_limit", "lambda_exhausted", "not_finite",
-                                         "interrupted"};
+                                         "interrupted",     "work_limit"};
   return name_of(kNames, reason);
 }
 

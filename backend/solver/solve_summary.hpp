@@ -23,6 +23,7 @@ enum class StopReason {
   kLambdaExhausted,
   kNotFinite,
   kInterrupted,
+  kWorkLimit,
 };
 std::string_view to_string(SolveStatus status);     ///< as in the JSON report: "converged", ...
 std::string_view to_string(StopReason reason);      ///< "small_step", ...

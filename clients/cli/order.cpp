@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// edge and undo: what operators change by hand.
+// edge, undo, freeze and thaw: what operators change by hand.
 #include "cairn/history/order.hpp"
 
 #include <unistd.h>
@@ -42,19 +42,18 @@ Result<std::string> order_in_folder(const std::string& folder, const Question& q
   if (!open) return open.error();
   const Result<Order> order = make_order(question, *open->journal, open->head);
   if (!order) return order.error();
-  if (order->edits.empty()) return count_changes({});
+  if (order->changes_nothing()) return count_changes({});
   const RecordBody record = to_record(*order, question, wall_clock_ns());
   const Result<Revision> appended = open->journal->append({&record, 1});
   if (!appended) return appended.error();
-  return count_changes(order->edits) + ", record " + std::to_string(appended->number);
+  return count_changes(*order) + ", record " + std::to_string(appended->number);
 }
 
 int give(const OrderArguments& a, Question question) {
   question.options["operator"] = a.operator_name.empty() ? whoever_asks() : a.operator_name;
   question.options["reason"] = a.reason;
-  const Result<std::string> done = a.target.is_folder()
-                                       ? order_in_folder(a.target.folder, question)
-                                       : ask(a.target, question, std::chrono::seconds(30));
+  const Result<std::string> done = a.target.is_folder() ? order_in_folder(a.target.folder, question)
+                                                        : ask(a.target, question, kLongWork);
   if (!done) return fail(done.error());
   Console(false, a.quiet).say(*done);
   return kDone;
@@ -130,6 +129,26 @@ Run add_undo(CLI::App& parent, CLI::App*& verb) {
   verb->add_flag("--cascade", a->cascade, "also what later records have built on it");
   add_who_and_why(*verb, *a);
   return [a] { return give(*a, {"undo", {{"record", a->record}, {"cascade", a->cascade}}}); };
+}
+
+Run add_freeze(CLI::App& parent, CLI::App*& verb) {
+  auto a = std::make_shared<OrderArguments>();
+  verb = parent.add_subcommand("freeze", "Keep the map as it is: robots only localize against it");
+  verb->footer(
+      std::string("The map is settled first. From then on no node of it moves: what comes later is "
+                  "placed\nagainst it by its odometry and its loop closures. `cairn thaw` lets all "
+                  "move again.\nWith --data, the map must be settled (`cairn settle`).\n") +
+      kOrderCodes);
+  add_who_and_why(*verb, *a);
+  return [a] { return give(*a, {"freeze", {}}); };
+}
+
+Run add_thaw(CLI::App& parent, CLI::App*& verb) {
+  auto a = std::make_shared<OrderArguments>();
+  verb = parent.add_subcommand("thaw", "Let a frozen map move again");
+  verb->footer(kOrderCodes);
+  add_who_and_why(*verb, *a);
+  return [a] { return give(*a, {"thaw", {}}); };
 }
 
 }  // namespace cairn::cli

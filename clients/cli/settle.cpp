@@ -32,13 +32,14 @@ Result<std::string> settle_folder(const std::string& folder) {
   Journal& journal = *open->journal;
   const PoseGraph map = open->head.graph();
   if (map.factors.size() == 0) return settled_text(map.graph_revision, 0.0);
-  const MapSolution solution = solve_map(map);
+  const SolveMethod method{SolveKind::kSettled, map.loops_that_merge};
+  const MapSolution solution = solve_as(method, map);
   if (!solution.whole.usable())
     return Error{ErrorCode::kNotUsable, unsettled_text(solution.whole), folder};
-  if (is_news(map, solution, SolveKind::kSettled, open->head.last_input())) {
+  if (is_news(map, solution, method.kind, open->head.last_input())) {
     Revision next = journal.head().revision;
     ++next.number;
-    const auto records = apply_solution(open->head, map.graph_revision, solution, next);
+    const auto records = apply_solution(open->head, map.graph_revision, solution, next, method);
     if (const auto appended = journal.append(records); !appended) return appended.error();
   }
   return settled_text(journal.head().revision, solution.chi2);

@@ -44,6 +44,7 @@ const char* advice(StopReason reason) {
     case StopReason::kNotFinite:
       return "the cost is not a finite number: run `cairn check` on the input";
     case StopReason::kInterrupted:
+    case StopReason::kWorkLimit:
       return "it was interrupted: let it run, or limit it with --max-iterations";
     default:
       return "run `cairn check` on the input";

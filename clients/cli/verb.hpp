@@ -36,6 +36,8 @@ Run add_show(CLI::App& parent, CLI::App*& verb);
 Run add_diff(CLI::App& parent, CLI::App*& verb);
 Run add_edge(CLI::App& parent, CLI::App*& verb);
 Run add_undo(CLI::App& parent, CLI::App*& verb);
+Run add_freeze(CLI::App& parent, CLI::App*& verb);
+Run add_thaw(CLI::App& parent, CLI::App*& verb);
 Run add_settle(CLI::App& parent, CLI::App*& verb);
 Run add_backup(CLI::App& parent, CLI::App*& verb);
 Run add_restore(CLI::App& parent, CLI::App*& verb);

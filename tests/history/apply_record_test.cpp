@@ -69,12 +69,19 @@ TEST(SolveSettings, AreReadBackAndKnowEarlyRecords) {
   EXPECT_EQ(SolveSettings::parse(here.to_string()), here);
   const SolveSettings early =
       SolveSettings::parse("lm, multifrontal, portable, initialization auto");
-  EXPECT_EQ(early.kind(), SolveKind::kUngated);
+  EXPECT_EQ(early.known(), SolveMethod{SolveKind::kUngated});
   EXPECT_TRUE(early.ungated());
   EXPECT_FALSE(here.ungated());
-  EXPECT_EQ(here.kind(), SolveKind::kSettled);
-  EXPECT_EQ(SolveSettings::here(SolveKind::kLive).kind(), SolveKind::kLive);
-  EXPECT_EQ(SolveSettings::parse("somehow; somewhere").kind(), std::nullopt);
+  EXPECT_EQ(here.known(), SolveMethod{});
+  for (const SolveMethod& method :
+       {SolveMethod{SolveKind::kLive}, SolveMethod{SolveKind::kLive, 12},
+        SolveMethod{SolveKind::kSettled, 1}})
+    EXPECT_EQ(SolveSettings::here(method).known(), method);
+  for (const char* text :
+       {"somehow; somewhere", "lm, multifrontal, portable, initialization auto, gate ",
+        "lm, multifrontal, portable, initialization auto, gate 3x; here",
+        "lm, multifrontal, portable, initialization auto, gate 03; here"})
+    EXPECT_EQ(SolveSettings::parse(text).known(), std::nullopt) << text;
 }
 
 }  // namespace

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "cairn/linear/elimination.hpp"
+#include "cairn/linear/elimination_cache.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -115,6 +115,22 @@ TEST(Elimination, TakesNoBlocksAndBlocksWithoutNeighbors) {
   EXPECT_TRUE(find_elimination(BlockGraph::from_pairs(0, {})).position.empty());
   EXPECT_THAT(find_elimination(BlockGraph::from_pairs(3, {})).count,
               ::testing::ElementsAre(1, 1, 1));
+}
+
+TEST(EliminationCache, AnswersAsWithoutAndRemembersTheLastPatterns) {
+  EliminationCache cache;
+  for (int round = 0; round < 2; ++round) {
+    for (const int side : {5, 6, 7}) {
+      const Elimination found = cache.find(grid(side)), expected = find_elimination(grid(side));
+      EXPECT_EQ(found.position, expected.position);
+      EXPECT_EQ(found.parent, expected.parent);
+      EXPECT_EQ(found.supernodes.row, expected.supernodes.row);
+    }
+  }
+  EXPECT_EQ(cache.hits(), 3u);
+  EXPECT_EQ(cache.misses(), 3u);
+  for (const int side : {8, 9, 10, 11, 5}) (void)cache.find(grid(side));
+  EXPECT_EQ(cache.hits(), 3u) << "5 was the oldest of more than it keeps";
 }
 
 }  // namespace

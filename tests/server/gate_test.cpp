@@ -149,8 +149,8 @@ TEST(Ungated, JournalsHaveAllLoopsInTheirEstimates) {
   const Revision base = head.graph().graph_revision;
   Revision next = base;
   ++next.number;
-  const MapSolution solution = solve_as(SolveKind::kUngated, head.graph());
-  const auto records = apply_solution(head, base, solution, next, SolveKind::kUngated);
+  const MapSolution solution = solve_as({SolveKind::kUngated}, head.graph());
+  const auto records = apply_solution(head, base, solution, next, {SolveKind::kUngated});
   EXPECT_THAT(records, SizeIs(1));
   ASSERT_TRUE(journal->append(records));
   const auto maps = maps_at(*journal, {next.number});

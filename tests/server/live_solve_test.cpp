@@ -29,7 +29,7 @@ TEST_F(LiveSolve, FollowsALoopAtOnceAndOdometryNever) {
   const auto kept = solves();
   ASSERT_EQ(kept.size(), 1u);
   EXPECT_EQ(kept[0].base, loop.number);
-  EXPECT_EQ(SolveSettings::parse(kept[0].settings).kind(), SolveKind::kLive);
+  EXPECT_EQ(SolveSettings::parse(kept[0].settings).known(), SolveMethod{SolveKind::kLive});
 
   // What clients see is the optimum of this prefix.
   MapHead head;

@@ -44,7 +44,7 @@ class Map {
     EXPECT_TRUE(order) << order.error().to_string();
     if (!order) return 0;
     const auto revision = append(to_record(*order, question, 5));
-    head_.apply(order->edits, revision);
+    apply(*order, revision, head_);
     return revision.number;
   }
   std::uint64_t undo(std::uint64_t record, bool cascade = false) {
@@ -166,7 +166,7 @@ TEST(Edge, SwitchesFactorsByRecordAndPlace) {
   const std::vector<double> before = map.settled();
   const auto order = map.ask("edge disable", {{"factors", {"9", "10:1", "10:1"}}});
   ASSERT_TRUE(order) << order.error().to_string();
-  EXPECT_EQ(count_changes(order->edits), "3 factors disabled");
+  EXPECT_EQ(count_changes(*order), "3 factors disabled");
   const std::uint64_t disabled = map.give("edge disable", {{"factors", {"9:1", "10:1"}}});
   EXPECT_NE(map.settled(), before);
   EXPECT_TRUE(map.ask("edge disable", {{"factors", {"9:1"}}})->edits.empty());
