@@ -141,6 +141,15 @@ const std::vector<Setting>& settings() {
       number("solve", "publish_every_ms",
              "poses that came are published together, at most so often", {0, 10'000},
              [](auto& c) -> auto& { return c.service.publish_every; }),
+      number(
+          "thin", "after_visits",
+          "old poses are marginalized out of the map where so many newer ones of other visits are "
+          "near, and what that loses is told; 0: never",
+          {0, 1000}, [](auto& c) -> auto& { return c.service.thin_after_visits; }),
+      number("thin", "radius_cm", "so near", {1, 100'000},
+             [](auto& c) -> auto& { return c.service.thin_radius_cm; }),
+      number("thin", "angle_deg", "and in such a direction", {1, 180},
+             [](auto& c) -> auto& { return c.service.thin_angle_deg; }),
       number("jumps", "tell_cm",
              "a correction that moves a robot by more raises an event before it is published",
              {1, 1'000'000}, [](auto& c) -> auto& { return c.service.jump_cm; }),

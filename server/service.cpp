@@ -137,6 +137,7 @@ void Service::run() {
 void Service::handle(std::deque<Message> messages) {
   Sequencer::Outcome outcome;
   std::vector<std::unique_ptr<Solved>> solutions;
+  std::optional<Thinned> thinned;
   std::vector<Command> commands;
   std::vector<ClientState> clients;
   for (Message& message : messages) {
@@ -153,6 +154,8 @@ void Service::handle(std::deque<Message> messages) {
       bring(std::move(*brought));
     } else if (const auto* heard = std::get_if<Heard>(&message)) {
       writers_.hear_of(heard->spool);
+    } else if (auto* planned = std::get_if<Thinned>(&message)) {
+      thinned = std::move(*planned);
     } else {
       solutions.push_back(std::move(std::get<std::unique_ptr<Solved>>(message)));
     }
@@ -162,6 +165,7 @@ void Service::handle(std::deque<Message> messages) {
   for (const ClientState& client : clients) greet(client);
   let_strangers_go(writers_.remove_excess_strangers());
   for (const auto& solved : solutions) take_solution(*solved);
+  if (thinned) take_out(*thinned);
   for (const Command& command : commands) carry_out(command);
 }
 
@@ -178,6 +182,9 @@ void Service::take(Arrived arrived, Sequencer::Outcome& outcome) {
   const TransactionKey& key = arrived.arrival.transaction.key;
   std::optional<Refusal> refusal = writers_.refuse(key, arrived.sender);
   if (!refusal) refusal = refill_.refuse(key);
+  if (key.source == kOwnSource)
+    refusal = Refusal{RefusalCode::kForeignSource,
+                      std::string("the name ") + kOwnSource + " is the daemon's own: take another"};
   if (disk_ == DiskSpace::kFull)
     refusal = Refusal{RefusalCode::kStorageFull,
                       "under 2 % of the daemon's disk is free: make room there"};

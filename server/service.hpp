@@ -17,6 +17,7 @@
 
 #include "cairn/history/solve_record.hpp"
 #include "cairn/journal/journal.hpp"
+#include "cairn/replay/thinning.hpp"
 #include "server/commands.hpp"
 #include "server/estimate_publisher.hpp"
 #include "server/payload_store.hpp"
@@ -47,6 +48,10 @@ struct ServiceOptions {
   std::int64_t solve_work = 10;
   /// So many loop closures tie two robots, or two odometry epochs, into one map.
   std::size_t loops_that_merge = kLoopsThatMerge;
+  /// Poses are marginalized out of the map where so many newer visits came by (1: at least one);
+  /// 0: never.
+  std::size_t thin_after_visits = 0;
+  int thin_radius_cm = 100, thin_angle_deg = 30;  ///< what came by: so near
   /// A correction that moves a robot further than this raises an event before it is published.
   int jump_cm = 100, jump_deg = 10;
   /// Poses that came are published together, at most so often.
@@ -66,6 +71,9 @@ struct ServiceOptions {
   /// For tests that end the process there. From any thread.
   std::function<void(ServicePoint)> on_point{};
 };
+
+/// Whose transactions those are that the daemon makes itself.
+inline constexpr const char* kOwnSource = ".cairnd";
 
 /// The daemon without its process: takes transactions from a transport, makes them durable, answers
 /// them, solves when a loop closes and when input pauses, and publishes estimates. One thread
@@ -108,6 +116,10 @@ class Service final : private TransportListener {
   struct Heard {
     Writers::Spool spool;  ///< was answered without a look at what it said
   };
+  struct Thinned {
+    std::uint64_t last_input;  ///< of the map that it was planned for
+    Thinning plan;
+  };
   struct Solved {
     SolveMethod method;
     Revision base;
@@ -115,7 +127,7 @@ class Service final : private TransportListener {
     MapSolution solution;
   };
   using Message =
-      std::variant<Arrived, Seen, Lost, Brought, Heard, Command, std::unique_ptr<Solved>>;
+      std::variant<Arrived, Seen, Lost, Brought, Heard, Command, Thinned, std::unique_ptr<Solved>>;
 
   void on_transaction(Transaction transaction, const Sender& sender) override;
   void on_unreadable_transaction(UnreadableTransaction transaction, const Sender& sender) override;
@@ -163,7 +175,9 @@ class Service final : private TransportListener {
   [[nodiscard]] bool awaits_live_solve() const;
   void refuse_to_solve();
   void start_solve(SolveKind kind);
-  void on_solver_thread(std::function<std::unique_ptr<Solved>()> work);
+  void on_solver_thread(std::function<std::optional<Message>()> work);
+  void thin_when_due();
+  void take_out(const Thinned& thinned);
   void write_snapshot_when_due();
   void write_snapshot(const PoseGraph& map, double chi2);
   void announce(Severity severity, std::string kind, std::string text,
@@ -205,6 +219,7 @@ class Service final : private TransportListener {
   std::uint64_t news_at_ = 0;       ///< the last record that a solve is to follow at once
   std::uint64_t solving_from_ = 0;  ///< the last record that a solve has seen, or now sees
   std::chrono::steady_clock::time_point solve_began_{};
+  std::uint64_t thinned_at_ = 0;   ///< the last input of the map in which nothing is redundant
   bool settle_next_ = false;       ///< a live solve was too much work
   EliminationCache eliminations_;  ///< of the solver: one solve runs at a time
   std::uint64_t unsolvable_ = 0;   ///< the last input of the map of which the last solve failed

@@ -56,6 +56,7 @@ void Service::solve_when_due() {
     start_solve(SolveKind::kLive);
   else if (idle)
     write_snapshot_when_due();
+  if (idle && !solver_works_ && !solving_) thin_when_due();
 }
 
 // The result could not be kept.
@@ -73,7 +74,8 @@ void Service::start_solve(SolveKind kind) {
   solve_began_ = std::chrono::steady_clock::now();
   settle_next_ &= kind != SolveKind::kSettled;
   const SolveMethod method{kind, options_.loops_that_merge};
-  on_solver_thread([this, method, gives_way, base = head_.graph(), input = head_.last_input()] {
+  on_solver_thread([this, method, gives_way, base = head_.graph(),
+                    input = head_.last_input()]() -> std::optional<Message> {
     WorkBudget work(1e9 * static_cast<double>(options_.solve_work));
     SettleOptions how;
     how.keep_going = [this, gives_way] {
@@ -83,22 +85,22 @@ void Service::start_solve(SolveKind kind) {
     how.eliminations = &eliminations_;
     if (method.kind == SolveKind::kLive) how.work = &work;
     pass(ServicePoint::kSolving);  // a start that is the solution has no iterations
-    return std::make_unique<Solved>(
-        Solved{method, base.graph_revision, input, solve_as(method, base, how)});
+    return Message(std::make_unique<Solved>(
+        Solved{method, base.graph_revision, input, solve_as(method, base, how)}));
   });
 }
 
 // The work before has ended.
-void Service::on_solver_thread(std::function<std::unique_ptr<Solved>()> work) {
+void Service::on_solver_thread(std::function<std::optional<Message>()> work) {
   if (solver_.joinable()) solver_.join();
   solver_works_ = true;
   solver_ = std::thread([this, work = std::move(work)] {
     (void)setpriority(PRIO_PROCESS, static_cast<id_t>(gettid()), kNiceness);
-    std::unique_ptr<Solved> solved = work();
+    std::optional<Message> found = work();
     {
       const std::lock_guard lock(mutex_);
       solver_works_ = false;
-      if (solved) inbox_.push_back(std::move(solved));
+      if (found) inbox_.push_back(std::move(*found));
     }
     wake_.notify_all();
   });
@@ -109,9 +111,9 @@ void Service::write_snapshot_when_due() {
   const bool due = head_.graph().graph_revision.number >= snapshot_at_ + options_.snapshot_every;
   if (!chi2_ || needs_solve() || !due) return;
   snapshot_at_ = head_.graph().graph_revision.number;
-  on_solver_thread([this, map = head_.graph(), chi2 = *chi2_] {
+  on_solver_thread([this, map = head_.graph(), chi2 = *chi2_]() -> std::optional<Message> {
     write_snapshot(map, chi2);
-    return nullptr;
+    return std::nullopt;
   });
 }
 

@@ -141,6 +141,36 @@ Result<std::vector<FactorEdit>> undo_order(std::uint64_t number, const Order& or
   return edits;
 }
 
+// Everything that leads to the nodes goes; that the factors of record `by` come with it is said so
+// that undo knows.
+Result<Order> order_thinned(const Question& question, const MapHead& head) {
+  if (auto known = question.check_options({"nodes", "by", "operator", "reason"}); !known)
+    return known.error();
+  const auto named = question.options.find("nodes");
+  const std::size_t count = head.graph().nodes.size();
+  const auto is_node = [&](const Json& number) {
+    return number.is_number_unsigned() && number.get<std::uint64_t>() < count;
+  };
+  if (named == question.options.end() || !named->is_array() ||
+      !std::all_of(named->begin(), named->end(), is_node))
+    return Error{ErrorCode::kUsage, "thin expects the option nodes: numbers from 0 to " +
+                                        std::to_string(count) + ", in order of arrival"};
+  std::set<NodeIndex> gone;
+  for (const Json& number : *named) gone.insert(number.get<NodeIndex>());
+  const auto [first, last] = head.factors_of(question.number("by", 0));
+  Order order{asked_by(question)};
+  const auto& factors = head.graph().factors;
+  for (std::size_t f = 0; f < factors.size(); ++f) {
+    const bool made = first <= f && f < last;
+    const bool leads_there = std::any_of(factors[f].nodes.begin(), factors[f].nodes.end(),
+                                         [&](NodeIndex node) { return gone.contains(node); });
+    if (made || (leads_there && is_enabled(factors[f].state)))
+      order.edits.push_back(
+          {factors[f].name, made ? FactorChange::kEnable : FactorChange::kDisable});
+  }
+  return order;
+}
+
 Result<Order> freeze_first(NodeIndex nodes, std::string asked, const MapHead& head) {
   if (nodes > 0 && head.graph().solved_revision.number < head.last_input())
     return Error{ErrorCode::kNotUsable,
@@ -213,7 +243,7 @@ std::optional<Order::Frozen> frozen_of(const Json& json) {
 }  // namespace
 
 bool is_order(const Question& question) {
-  for (const char* verb : {"undo", "freeze", "thaw"})
+  for (const char* verb : {"undo", "freeze", "thaw", "thin"})
     if (question.verb == verb) return true;
   return question.verb.starts_with("edge ") && change_named(question.verb.substr(5));
 }
@@ -222,6 +252,7 @@ Result<Order> make_order(const Question& question, const Journal& journal, const
   Result<Order> order = [&]() -> Result<Order> {
     if (question.verb == "undo") return order_undo(question, journal, head);
     if (question.verb.starts_with("edge ")) return order_edges(question, head);
+    if (question.verb == "thin") return order_thinned(question, head);
     return order_frozen(question, head);
   }();
   if (!order) return order;

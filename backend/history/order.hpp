@@ -26,8 +26,10 @@ struct Order {
 /// `edge disable|enable|remove {"factors": ["12:0", "14"]}` by record and place (all of a record's
 /// without one); `undo {"record": 12, "cascade": false}`: the map as if a transaction had never
 /// come, or an order had never been given; `freeze`: every node stays where it is, of a map that is
-/// solved, and `thaw`: all may move again. kUsage where it makes no sense, kNotUsable where later
-/// records stand in the way; the message lists them.
+/// solved, and `thaw`: all may move again;
+/// `thin {"nodes": [3, 4], "by": 12}`: factors that lead to these nodes (by order of arrival) are
+/// switched off, in favor of those of record 12. kUsage where it makes no sense, kNotUsable where
+/// later records stand in the way; the message lists them.
 Result<Order> make_order(const Question& question, const Journal& journal, const MapHead& head);
 /// Whether make_order() is whom to ask.
 bool is_order(const Question& question);
