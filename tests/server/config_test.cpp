@@ -45,7 +45,7 @@ TEST(Config, IsPrintedAsAFileThatMeansTheSame) {
 TEST(Config, RefusesWhatItDoesNotKnowAndSaysWhere) {
   const std::pair<std::string, std::string> cases[] = {
       {"networks: {}",
-       "f:1:1: unknown section 'networks'; expected: network, solve, jumps, journal, "
+       "f:1:1: unknown section 'networks'; expected: network, solve, thin, jumps, journal, "
        "intake, payloads, log"},
       {"network:\n  domian: 3\n",
        "f:2:3: unknown key 'network.domian'; expected: domain, profile, interface"},
@@ -60,7 +60,7 @@ TEST(Config, RefusesWhatItDoesNotKnowAndSaysWhere) {
       {"network: 3",
        "f:1:10: the section network has no keys; expected: domain, profile, interface"},
       {"- a",
-       "f:1:1: no sections; expected: network, solve, jumps, journal, intake, payloads, log"},
+       "f:1:1: no sections; expected: network, solve, thin, jumps, journal, intake, payloads, log"},
       {"network: {", "f:1:1: not YAML: end of map flow not found"},
       {"solve: {after_pause_ms: 99999999999999999999}",
        "f:1:25: solve.after_pause_ms is '99999999999999999999'; expected a whole number from 1 to "
