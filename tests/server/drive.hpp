@@ -54,6 +54,19 @@ inline Transaction false_loop(std::uint64_t a, std::uint64_t b) {
   return transaction;
 }
 
+/// The same drive, now and then with a second loop closure, which is false: the robot were back
+/// where it was halfway. Seldom, once there are many.
+inline Transaction troubled_step(const std::string& robot, std::uint64_t i) {
+  Transaction step = drive_step(robot, i);
+  const std::uint64_t pause = i < 200 ? 20 : 100;
+  if (i % pause != pause / 2 + 1) return step;
+  NewFactor wrong = step.factors.front();
+  wrong.kind = FactorKind::kLoop;
+  wrong.nodes.front().index = i / 2;
+  step.factors.push_back(wrong);
+  return step;
+}
+
 inline std::vector<Transaction> drive(std::uint64_t count) {
   std::vector<Transaction> steps;
   for (std::uint64_t i = 0; i < count; ++i) steps.push_back(drive_step(kLeader, i));

@@ -36,12 +36,13 @@ int run(char** argv) {
                        .retry_first = 5ms,
                        .retry_most = 50ms});
   if (!client) return failed(client.error());
-  constexpr std::uint64_t kBurst = 8;
   while (!ending) {
+    // A long run is one of many kills, not of a large map.
+    const std::uint64_t length = client->next_sequence() < 400 ? 8 : 2;
     std::vector<Submission> burst;
-    for (std::uint64_t i = 0; i < kBurst; ++i) {
+    for (std::uint64_t i = 0; i < length; ++i) {
       Result<Submission> taken =
-          client->submit_async(test::drive_step(robot, client->next_sequence() - 1));
+          client->submit_async(test::troubled_step(robot, client->next_sequence() - 1));
       if (!taken) return failed(taken.error());
       burst.push_back(std::move(*taken));
     }
