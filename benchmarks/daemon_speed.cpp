@@ -29,6 +29,7 @@
 #include "clients/client/client.hpp"
 #include "tests/support/own_domain.hpp"
 #include "tests/support/process.hpp"
+#include "tests/support/process_usage.hpp"
 
 namespace {
 
@@ -54,24 +55,6 @@ Transaction keyframe(const std::string& robot, std::uint64_t i) {
   odometry.numbers = {1.0, 0.0, 0.0, 100.0, 0.0, 0.0, 100.0, 0.0, 400.0};
   step.factors.push_back(odometry);
   return step;
-}
-
-double resident_mb(pid_t process) {
-  std::ifstream statistics("/proc/" + std::to_string(process) + "/statm");
-  double all = 0, resident = 0;
-  statistics >> all >> resident;
-  return resident * static_cast<double>(sysconf(_SC_PAGESIZE)) / 1e6;
-}
-
-// User and system time, s.
-double cpu_seconds(pid_t process) {
-  std::ifstream statistics("/proc/" + std::to_string(process) + "/stat");
-  std::string word;
-  double ticks = 0;
-  for (int i = 1; i <= 15 && statistics >> word; ++i) {
-    if (i >= 14) ticks += std::strtod(word.c_str(), nullptr);
-  }
-  return ticks / static_cast<double>(sysconf(_SC_CLK_TCK));
 }
 
 // Says something about a factor that is there: the graph does not grow.
@@ -148,7 +131,7 @@ void report(const char* what, Load load, double seconds, pid_t daemon) {
               load.latencies_s.size(), static_cast<unsigned long long>(load.refused),
               static_cast<double>(load.latencies_s.size()) / seconds,
               percentile_ms(load.latencies_s, 0.5), percentile_ms(load.latencies_s, 0.99),
-              resident_mb(daemon), resident_mb(getpid()));
+              test::resident_mb(daemon), test::resident_mb(getpid()));
   std::fflush(stdout);
 }
 
@@ -261,10 +244,10 @@ int run(double seconds, double rate) {
   const Result<std::string> settled = robots[0].client.command("settle", 600s);
   std::printf("\nsettle: %s\n", (settled ? *settled : settled.error().to_string()).c_str());
   std::this_thread::sleep_for(5s);  // it stores a snapshot
-  const double before = cpu_seconds(daemon.id());
+  const double before = test::cpu_seconds(daemon.id());
   std::this_thread::sleep_for(10s);
-  std::printf("idle: %.2f %% of one core, %.0f MB\n", 10.0 * (cpu_seconds(daemon.id()) - before),
-              resident_mb(daemon.id()));
+  std::printf("idle: %.2f %% of one core, %.0f MB\n",
+              10.0 * (test::cpu_seconds(daemon.id()) - before), test::resident_mb(daemon.id()));
   std::printf("late joiner: 10,000 poses %.0f ms after the first message\n",
               1e3 * late_joiner_seconds(domain, 10'000));
   for (const std::size_t poses : {10'000, 1'000'000})

@@ -47,5 +47,5 @@ int main(int argc, char** argv) {
     return cairn::fail({cairn::ErrorCode::kUsage,
                         "name the folder of the journal: cairnd --data DIR; it is made if absent"});
   }
-  return cairn::run_daemon(folder, config);
+  return cairn::run_daemon(folder, config, {.write_buffer_bytes = config.journal_buffer_bytes});
 }

@@ -19,6 +19,7 @@ struct DaemonConfig {
   LogFormat log_format = LogFormat::kText;
   Severity log_from = Severity::kInfo;
   ServiceOptions service{};
+  std::size_t journal_buffer_bytes = JournalOptions{}.write_buffer_bytes;
 };
 
 /// Reads a YAML file over `config`: keys that it does not name stay as they are. An error names

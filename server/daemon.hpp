@@ -8,7 +8,8 @@
 namespace cairn {
 
 /// Serves the folder until SIGTERM or SIGINT; gives the exit code. Ends within two seconds of the
-/// signal: a running solve is abandoned. Once per process. `journal` is for tests.
+/// signal: a running solve is abandoned. Once per process. Of `config`, the
+/// journal takes nothing: `journal` is all it gets.
 int run_daemon(const std::string& folder, const DaemonConfig& config,
                const JournalOptions& journal = {});
 

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "cairn/history/apply_record.hpp"
 #include "cairn/history/order.hpp"
@@ -83,6 +84,8 @@ Result<void> Reexecution::find_bases() {
 
 Result<void> Reexecution::execute(const Record& record) {
   const Revision revision{journal_.head().revision.store, record.era, record.number};
+  // Damage leaves verdicts without the solve that found them, and raises the era.
+  if (std::exchange(era_, record.era) != record.era) verdicts_.clear();
   if (const auto* transaction = std::get_if<TransactionRecord>(&record.body))
     return execute(*transaction, revision);
   if (const auto* solve = std::get_if<SolveRecord>(&record.body)) return execute(*solve, record);

@@ -58,7 +58,8 @@ class Reexecution {
                      std::uint64_t number);
 
   const Journal& journal_;
-  std::vector<VerdictRecord> verdicts_;  ///< since the last record that was none
+  std::vector<VerdictRecord> verdicts_;  ///< since the last record that was none, of one era
+  std::uint32_t era_ = 0;
   MapHead head_;
   Sequencer sequencer_;
   std::map<std::uint64_t, std::uint64_t> uses_of_base_;  ///< by record: solves of it to come

@@ -15,6 +15,7 @@ TEST(Config, SetsWhatAFileNamesAndLeavesTheRest) {
       read_config_text("network: {domain: 7, profile: radio, interface: wlan0}\n"
                        "solve:\n  after_pause_ms: 50\n"
                        "intake:\n  patience_s: 3\n"
+                       "journal: {buffer_mb: 4}\n"
                        "log: {format: json, from: warning}\n",
                        "f", config));
   EXPECT_EQ(config.domain, 7U);
@@ -23,6 +24,7 @@ TEST(Config, SetsWhatAFileNamesAndLeavesTheRest) {
   EXPECT_EQ(config.service.solve_after_pause, std::chrono::milliseconds(50));
   EXPECT_EQ(config.service.limits.patience_ns, 3'000'000'000);
   EXPECT_EQ(config.service.limits.held, SequencerLimits{}.held);
+  EXPECT_EQ(config.journal_buffer_bytes, 4u << 20);
   EXPECT_EQ(config.log_format, LogFormat::kJson);
   EXPECT_EQ(config.log_from, Severity::kWarning);
   EXPECT_TRUE(read_config_text("", "f", config));

@@ -21,6 +21,8 @@ namespace cairn::test {
 /// A service that solves while input goes on, and a client that watches its poses.
 class LiveService : public testing::Test {
  protected:
+  explicit LiveService(const JournalOptions& options = {})
+      : journal_(*Journal::open((folder_.path() / "data").string(), options)) {}
   // Input never pauses for so long that the map would be settled.
   void start(ServiceOptions options = {}) {
     options.solve_after_pause = std::chrono::hours(1);
@@ -79,7 +81,7 @@ class LiveService : public testing::Test {
 
   TemporaryFolder folder_;
   MemoryNetwork network_;
-  std::unique_ptr<Journal> journal_ = *Journal::open((folder_.path() / "data").string());
+  std::unique_ptr<Journal> journal_;
   std::unique_ptr<Transport> transport_ = network_.make_transport();
   std::optional<Service> service_;
   std::mutex mutex_;
