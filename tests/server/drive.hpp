@@ -73,6 +73,12 @@ inline std::vector<Transaction> drive(std::uint64_t count) {
   return steps;
 }
 
+inline std::vector<Transaction> troubled_drive(std::uint64_t count) {
+  std::vector<Transaction> steps;
+  for (std::uint64_t i = 0; i < count; ++i) steps.push_back(troubled_step(kLeader, i));
+  return steps;
+}
+
 /// What a journal says all nodes' estimates are, in order of arrival.
 inline std::vector<double> estimates(const Journal& journal) {
   MapHead head;

@@ -45,7 +45,7 @@ struct Sent {
 
 Sent send(Client& client, std::uint64_t step) {
   const auto at = Clock::now();
-  return {*client.submit_async(test::drive_step(test::kLeader, step)), at};
+  return {*client.submit_async(test::troubled_step(test::kLeader, step)), at};
 }
 
 // Latencies of the receipts, ms, ascending.
@@ -112,7 +112,7 @@ TEST(Radio, LosesNothingAtTenPercentLossAndThroughAnOutage) {
   const auto journal = Journal::open(data);
   ASSERT_TRUE(journal);
   EXPECT_EQ(test::estimates(**journal),
-            test::settled_estimates(test::drive(kBefore + kDuring + kAfter)));
+            test::settled_estimates(test::troubled_drive(kBefore + kDuring + kAfter)));
 }
 
 }  // namespace

@@ -2,6 +2,7 @@
 // Stores that lost their end, filled again from clients' spools.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <mutex>
 
@@ -15,7 +16,6 @@ namespace cairn {
 namespace {
 
 using namespace std::chrono_literals;
-using test::drive;
 using test::estimates;
 
 // The store of a running client is replaced by an older one.
@@ -70,9 +70,15 @@ class RefillTest : public testing::Test {
     return events_;
   }
 
+  bool was_told(const std::string& beginning) {
+    const auto told = events();
+    return std::any_of(told.begin(), told.end(),
+                       [&](const std::string& event) { return event.starts_with(beginning); });
+  }
+
   test::TemporaryFolder folder_;
   MemoryNetwork network_;
-  std::vector<Transaction> steps_ = drive(400);
+  std::vector<Transaction> steps_ = test::troubled_drive(400);
   Revision newest_;
   std::mutex mutex_;
   std::vector<std::string> events_;
@@ -89,10 +95,8 @@ TEST_F(RefillTest, FillsAStoreThatLostItsEndInANewEra) {
   ASSERT_TRUE(client.command("settle", 30s));
   EXPECT_EQ(estimates(*daemon.journal), test::settled_estimates(steps_));
   EXPECT_TRUE(daemon.journal->verify());
-  const auto told = events();
-  ASSERT_FALSE(told.empty());
-  EXPECT_TRUE(told[0].starts_with("damage: the store ends at ")) << told[0];
-  EXPECT_TRUE(told.back().starts_with("refilled: ")) << told.back();
+  EXPECT_TRUE(was_told("damage: the store ends at "));
+  EXPECT_TRUE(was_told("refilled: "));
 }
 
 TEST_F(RefillTest, RaisesTheEraEvenWhereTheClientHasRestartedToo) {
@@ -122,7 +126,7 @@ TEST_F(RefillTest, FillsABackupThatWasRestored) {
   submit(client, 350, 400);
   ASSERT_TRUE(client.command("settle", 30s));
   EXPECT_EQ(estimates(*daemon.journal), test::settled_estimates(steps_));
-  EXPECT_TRUE(events().back().starts_with("refilled: ")) << events().back();
+  EXPECT_TRUE(was_told("refilled: "));
 }
 
 TEST_F(RefillTest, GoesOnWithoutAClientThatIsGone) {
