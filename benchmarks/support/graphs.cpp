@@ -26,10 +26,13 @@ std::span<const BenchmarkGraph> benchmark_graphs() {
   return kGraphs;
 }
 
-std::optional<Graph> load(const BenchmarkGraph& graph) {
+std::string data_folder() {
   const char* root = std::getenv("CAIRN_DATASETS");
-  const std::string folder = root ? root : CAIRN_SOURCE_DIR "/../shared/datasets";
-  auto document = read_graph(folder + "/" + std::string(graph.path));
+  return root ? root : CAIRN_SOURCE_DIR "/../shared/datasets";
+}
+
+std::optional<Graph> load(const BenchmarkGraph& graph) {
+  auto document = read_graph(data_folder() + "/" + std::string(graph.path));
   if (!document) {
     std::fprintf(stderr, "%.*s is left out: %s\n", static_cast<int>(graph.name.size()),
                  graph.name.data(), document.error().to_string().c_str());

@@ -23,8 +23,11 @@ struct BenchmarkGraph {
 /// The graphs of the comparison with Ceres.
 std::span<const BenchmarkGraph> benchmark_graphs();
 
-/// Reads a graph: $CAIRN_DATASETS, by default ../shared/datasets beside the source tree. Says on
-/// standard error why there is none. Values: the file's, or odometry where it has edges only.
+/// $CAIRN_DATASETS, by default ../shared/datasets beside the source tree.
+std::string data_folder();
+
+/// Reads a graph below it. Says on standard error why there is none. Values: the file's, or
+/// odometry where it has edges only.
 std::optional<Graph> load(const BenchmarkGraph& graph);
 
 /// The graph where both sides start.
