@@ -46,14 +46,15 @@ UncertainPose<Pose> measurement(const FactorBatch& batch, std::uint32_t factor,
   return {measured.T_a_b, information.llt().solve(Eigen::Matrix<double, d, d>::Identity()).eval()};
 }
 
-}  // namespace
-
+// e^T S^-1 e of the difference of two measurements of one relative pose.
 template <class Pose>
 double disagreement(const UncertainPose<Pose>& a, const UncertainPose<Pose>& b) {
   const typename Pose::Tangent e = (a.T.inverse() * b.T).log();
   const typename UncertainPose<Pose>::Covariance S = a.covariance + b.covariance;
   return e.dot(S.ldlt().solve(e));
 }
+
+}  // namespace
 
 template <class Pose>
 LoopCycles<Pose>::LoopCycles(const Graph& graph) {
@@ -72,7 +73,7 @@ LoopCycles<Pose>::LoopCycles(const Graph& graph) {
     if (batch.kinds()[index] == FactorKind::kOdometry)
       add_odometry(edge.a, edge.b, T_a_b);
     else
-      loops_.push_back({place, edge.a, edge.b, T_a_b});
+      loops_.push_back({place, edge.a, edge.b, T_a_b, false});
   }
   chain_up();
   const auto place_of = [this](std::uint32_t pose) {
@@ -82,6 +83,7 @@ LoopCycles<Pose>::LoopCycles(const Graph& graph) {
     if (place_of(loop.a) <= place_of(loop.b)) continue;
     std::swap(loop.a, loop.b);
     loop.T_a_b = loop.T_a_b.inverse();
+    loop.turned = true;
   }
   std::sort(loops_.begin(), loops_.end(), [&](const Loop& x, const Loop& y) {
     const Place &xa = places_[x.a], &xb = places_[x.b], &ya = places_[y.a], &yb = places_[y.b];
@@ -133,8 +135,8 @@ int LoopCycles<Pose>::distance(const Loop& x, const Loop& y) const {
 }
 
 template <class Pose>
-int LoopCycles<Pose>::places_apart(const Loop& x, const Loop& y) const {
-  return std::abs(places_[x.a].number - places_[y.a].number);
+bool LoopCycles<Pose>::nearby(const Loop& x, const Loop& y) const {
+  return share_chains(x, y) && std::abs(places_[x.a].number - places_[y.a].number) <= kReach;
 }
 
 template <class Pose>
@@ -151,8 +153,6 @@ UncertainPose<Pose> LoopCycles<Pose>::between(std::uint32_t from, std::uint32_t 
           from_start * (b.covariance - a.covariance) * from_start.transpose()};
 }
 
-template double disagreement(const UncertainPose<Se2>&, const UncertainPose<Se2>&);
-template double disagreement(const UncertainPose<Se3>&, const UncertainPose<Se3>&);
 template class LoopCycles<Se2>;
 template class LoopCycles<Se3>;
 

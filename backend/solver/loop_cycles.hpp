@@ -30,9 +30,8 @@ struct UncertainPose {
   }
 };
 
-/// e^T S^-1 e of the difference of two measurements of one relative pose.
-template <class Pose>
-double disagreement(const UncertainPose<Pose>& a, const UncertainPose<Pose>& b);
+/// Between the ends of loops that can support each other, in keyframes.
+constexpr int kReach = 10;
 
 /// The loop closures of a graph between poses of one type, and the cycles that two of them make
 /// with the odometry between their ends. Covariances are what the factors state.
@@ -45,6 +44,7 @@ class LoopCycles {
     std::size_t factor;  ///< place in Graph::factors()
     std::uint32_t a, b;  ///< indices of the poses; a comes first, by chain of odometry and place
     UncertainPose<Pose> T_a_b;
+    bool turned;  ///< the factor has b first
   };
   /// Ascending by chains and places of their ends.
   [[nodiscard]] const std::vector<Loop>& loops() const { return loops_; }
@@ -56,8 +56,9 @@ class LoopCycles {
   }
   /// The larger distance between their ends, in keyframes. They share chains.
   [[nodiscard]] int distance(const Loop& x, const Loop& y) const;
-  /// The distance of their first ends alone: never descends along loops() while chains are shared.
-  [[nodiscard]] int places_apart(const Loop& x, const Loop& y) const;
+  /// They share chains, and their first ends are in reach of each other. Of those that come after a
+  /// loop in loops() these are the next ones.
+  [[nodiscard]] bool nearby(const Loop& x, const Loop& y) const;
   /// Of the cycle x, odometry, y, odometry: chi-square distributed with the pose's dimension where
   /// both are true and the stated covariances are right. They share chains.
   [[nodiscard]] double chi2(const Loop& x, const Loop& y) const;

@@ -1,15 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "cairn/solver/loop_gate.hpp"
 
-#include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
 #include <algorithm>
-#include <cmath>
 #include <optional>
 #include <type_traits>
 #include <utility>
 
+#include "cairn/solver/loop_clusters.hpp"
 #include "cairn/solver/loop_cycles.hpp"
+#include "cairn/solver/loop_fit.hpp"
 #include "cairn/solver/loop_groups.hpp"
 #include "cairn/solver/loop_ties.hpp"
 #include "cairn/solver/marginals.hpp"
@@ -20,10 +19,10 @@ namespace {
 
 constexpr double kFits = 4;             // medians, of a solution taken without another look
 constexpr int kIterationsWithAll = 20;  // more are spent only where loops fit together
-constexpr int kMostRounds = 8;          // of leaving out, and of taking back
+constexpr int kMostRounds = 16;         // of leaving out, and of taking back
 constexpr std::size_t kMostOpponents = 3;
-constexpr double kLeastShare = 0.01;     // of a loop's information that is not its own solution's
 constexpr double kComparisonWork = 2e5;  // multiplications: a group against 300, at most
+constexpr int kMostReturns = 1;  // of a loop in a cluster that was out of place
 
 template <class Pose>
 class LoopGate {
@@ -33,6 +32,7 @@ class LoopGate {
         options_(options),
         keep_going_(gate.keep_going),
         cycles_(graph),
+        fit_(graph, options.chart),
         ties_(graph, ties_of(graph, cycles_), gate.loops_that_join, gate.frames) {
     options_.loss = {};
     if (options_.eliminations == nullptr) options_.eliminations = &eliminations_;
@@ -52,8 +52,6 @@ class LoopGate {
  private:
   static constexpr int kDimension = UncertainPose<Pose>::kDimension;
   using Loop = typename LoopCycles<Pose>::Loop;
-  using Matrix = Eigen::Matrix<double, kDimension, kDimension>;
-  using Vector = Eigen::Matrix<double, kDimension, 1>;
 
   static std::vector<LoopTies::Loop> ties_of(const Graph& graph, const LoopCycles<Pose>& cycles) {
     std::vector<LoopTies::Loop> ties;
@@ -87,6 +85,7 @@ class LoopGate {
     }
     groups_ = std::move(*found);
     in_ = groups_.supported;
+    times_shifted_.resize(in_.size());
     for (std::size_t i = 0; i < in_.size(); ++i) ties_parts_.push_back(!ties_.joined(i));
     for (const LoopGroups::Group& group : groups_.groups)
       if (group.in && ties_parts_[group.loops.front()]) in_[group.loops.front()] = true;
@@ -99,7 +98,7 @@ class LoopGate {
     solve(options_.init, std::min(kIterationsWithAll, options_.max_iterations));
     if (interrupted()) return false;
     if (result_.summary.usable() && worst_of(ratios()) <= kFits * scale_ &&
-        worst_of(lone_ratios()) <= most())
+        worst_of(lone_ratios()) <= most() && !leave_out_shifted())
       return true;
     leave_out_smaller_half();
     graph_.values() = start_;
@@ -123,13 +122,27 @@ class LoopGate {
         for (const std::size_t loop : group.loops) in_[loop] = false;
   }
 
-  // Without what does not fit, the worst first, until all does.
+  // Without what does not fit, the worst first, until all does. What has not converged shows what
+  // keeps it from that.
   bool revise() {
-    for (int round = 0; round < kMostRounds && result_.summary.usable(); ++round) {
-      if (!leave_out_worst(ratios()) && !leave_out_worst(lone_ratios())) break;
+    for (int round = 0; round < kMostRounds && !interrupted(); ++round) {
+      if (!leave_out_worst(ratios()) && !leave_out_worst(lone_ratios()) && !leave_out_shifted())
+        break;
       solve(InitMethod::kFile, options_.max_iterations);
     }
     return result_.summary.usable();
+  }
+
+  // False where no cluster is.
+  bool leave_out_shifted() {
+    if (marginals() == nullptr) return false;
+    const std::vector<std::size_t> shifted = find_shifted_clusters(
+        cycles_, graph_, fit_, in_, *marginals(), result_.noise_scale, scale_);
+    for (const std::size_t loop : shifted) {
+      in_[loop] = false;
+      ++times_shifted_[loop];
+    }
+    return !shifted.empty();
   }
 
   // False where nothing is too far off.
@@ -165,19 +178,17 @@ class LoopGate {
 
   // What agrees with the solution as well as its covariance lets it.
   bool take_back_once(bool supported) {
-    std::optional<Result<Marginals>> marginals;
     bool any = false;
     std::vector<bool> now = in_;
     for (std::size_t i = 0; i < loops().size(); ++i) {
-      if (in_[i] || (supported && !groups_.supported[i]) || !ties_.joined(i)) continue;
+      if (in_[i] || (supported && !groups_.supported[i]) || !ties_.joined(i) ||
+          times_shifted_[i] > kMostReturns)
+        continue;
       bool agrees = ratio(i) <= most();  // more covariance makes it less
       if (!agrees) {
-        if (!marginals)
-          marginals.emplace(Marginals::compute(graph_.with_factors(kept()), options_));
-        if (!*marginals) return false;
-        const Whitened loop = whitened(i, **marginals);
-        const Matrix both = Matrix::Identity() + loop.solved;
-        agrees = loop.error.dot(both.ldlt().solve(loop.error)) <= most() * median_chi2(kDimension);
+        if (marginals() == nullptr) return false;
+        agrees = fit_.chi2_of_newcomer(loops()[i].factor, *marginals()) <=
+                 most() * median_chi2(kDimension);
       }
       now[i] = agrees;
       any |= agrees;
@@ -199,6 +210,7 @@ class LoopGate {
 
   void solve(InitMethod init, int iterations) {
     ties_.join(in_);
+    marginals_.reset();
     Graph rest = graph_.with_factors(kept());
     SolveOptions options = options_;
     options.init = init;
@@ -215,13 +227,15 @@ class LoopGate {
            result_.summary.stop_reason == StopReason::kWorkLimit;
   }
 
+  // Of the solution with what is in; null where the matrix is singular.
+  const Marginals* marginals() {
+    if (!marginals_) marginals_.emplace(Marginals::compute(graph_.with_factors(kept()), options_));
+    return *marginals_ ? &**marginals_ : nullptr;
+  }
+
   // chi2 at the solution over its median, were the information right.
   [[nodiscard]] double ratio(std::size_t loop) const {
-    const auto [batch, index] = graph_.factors()[loops()[loop].factor];
-    double chi2 = 0.0;
-    graph_.batches()[batch]->evaluate_chi2(
-        index, index + 1, {.values = graph_.values(), .chart = options_.chart}, &chi2);
-    return chi2 / median_chi2(kDimension);
+    return fit_.chi2(loops()[loop].factor) / median_chi2(kDimension);
   }
   // By loop; of those that are out, 0.
   [[nodiscard]] std::vector<double> ratios() const {
@@ -230,38 +244,13 @@ class LoopGate {
       if (in_[i]) all[i] = ratio(i);
     return all;
   }
-  // The same against where the solution would be without each one. To take a measurement out of a
-  // solution that has it takes its information out: the covariance of the difference is that of the
-  // measurement minus that of the solution.
-  [[nodiscard]] std::vector<double> lone_ratios() const {
+  // The same against where the solution would be without each one.
+  [[nodiscard]] std::vector<double> lone_ratios() {
     std::vector<double> all(loops().size(), 0.0);
-    const Result<Marginals> marginals = Marginals::compute(graph_.with_factors(kept()), options_);
-    for (std::size_t i = 0; marginals && i < all.size(); ++i) {
-      if (!in_[i]) continue;
-      const Whitened loop = whitened(i, *marginals);
-      const Eigen::SelfAdjointEigenSolver<Matrix> own(loop.solved);
-      const Vector error = own.eigenvectors().transpose() * loop.error;
-      const Vector left = (1.0 - own.eigenvalues().array()).max(kLeastShare);
-      all[i] = error.cwiseAbs2().cwiseQuotient(left).sum() / median_chi2(kDimension);
-    }
+    for (std::size_t i = 0; i < all.size() && marginals() != nullptr; ++i)
+      if (in_[i])
+        all[i] = fit_.chi2_without(loops()[i].factor, *marginals()) / median_chi2(kDimension);
     return all;
-  }
-  // A loop's error, in units of what it states of itself, and the solution's covariance in them.
-  struct Whitened {
-    Vector error;
-    Matrix solved;
-  };
-  [[nodiscard]] Whitened whitened(std::size_t loop, const Marginals& marginals) const {
-    const FactorRef factor = graph_.factors()[loops()[loop].factor];
-    const std::vector<VariableSlot> ends = graph_.slots_of(factor);
-    Whitened result;
-    Matrix J;  // by T_a_b: as by the second pose
-    double* const jacobians[] = {nullptr, J.data()};
-    graph_.batches()[factor.batch]->evaluate_into(
-        factor.index, {.values = graph_.values(), .chart = options_.chart}, result.error.data(),
-        jacobians);
-    result.solved = J * marginals.relative_covariance(ends[0], ends[1]) * J.transpose();
-    return result;
   }
   // Of the loops in the solution; and the scale they have by it.
   double worst_of(const std::vector<double>& ratios) {
@@ -320,11 +309,14 @@ class LoopGate {
   SolveOptions options_;
   std::function<bool()> keep_going_;
   LoopCycles<Pose> cycles_;
+  LoopFit<Pose> fit_;
   LoopTies ties_;
   LoopGroups groups_;
-  std::vector<bool> in_;          // by loop: takes part
-  std::vector<bool> ties_parts_;  // by loop: nothing but loops ties its ends together
-  double scale_ = 1.0;            // of residuals at the solution
+  std::vector<bool> in_;                        // by loop: takes part
+  std::vector<bool> ties_parts_;                // by loop: nothing but loops ties its ends together
+  std::vector<int> times_shifted_;              // by loop: left out with its cluster
+  std::optional<Result<Marginals>> marginals_;  // of the last solution
+  double scale_ = 1.0;                          // of residuals at the solution
   GatedSolution result_;
 };
 
@@ -347,10 +339,18 @@ std::string_view to_string(GateTest test) {
   return "too few loops tie these maps together";
 }
 
+static bool has_loops(const Graph& graph, VariableType pose) {
+  return std::any_of(graph.batches().begin(), graph.batches().end(), [pose](const auto& batch) {
+    const auto kinds = batch->kinds();
+    return batch->signature().front() == pose &&
+           std::find(kinds.begin(), kinds.end(), FactorKind::kLoop) != kinds.end();
+  });
+}
+
 // Loops in the plane and loops in space never share a component: one after the other.
 GatedSolution solve_gated(Graph& graph, const SolveOptions& options, const GateOptions& gate) {
-  const bool in_plane = !LoopCycles<Se2>(graph).loops().empty();
-  const bool in_space = !LoopCycles<Se3>(graph).loops().empty();
+  const bool in_plane = has_loops(graph, VariableType::kPose2);
+  const bool in_space = has_loops(graph, VariableType::kPose3);
   if (!in_space) return gate_loops<Se2>(graph, options, gate);
   GatedSolution solution = gate_loops<Se3>(graph, options, gate);
   if (!in_plane || !solution.summary.usable()) return solution;

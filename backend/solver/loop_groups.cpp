@@ -8,7 +8,6 @@
 namespace cairn {
 namespace {
 
-constexpr int kReach = 10;  // keyframes between the ends of loops that can support each other
 constexpr double kLeastScale = 1e-3;        // noise-free data would refuse its own rounding errors
 constexpr std::size_t kLeastPairs = 20;     // that make a noise scale
 constexpr std::size_t kMostCompared = 300;  // groups behind each, in the order of loops()
@@ -50,8 +49,7 @@ class Grouping {
     for (std::size_t x = 0; x < loops().size(); ++x) {
       for (std::size_t y = x + 1; y < loops().size(); ++y) {
         const Loop &first = loops()[x], &second = loops()[y];
-        if (!cycles_.share_chains(first, second) || cycles_.places_apart(first, second) > kReach)
-          break;
+        if (!cycles_.nearby(first, second)) break;
         const int distance = cycles_.distance(first, second);
         if (distance > 0 && distance <= kReach)  // a copy is no second witness
           near.push_back({x, y, cycles_.chi2(first, second)});

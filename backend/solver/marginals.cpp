@@ -84,6 +84,51 @@ struct Marginals::State {
     return covariance;
   }
 
+  /// By the change of the first, then of the second pose, of T_a_b.
+  [[nodiscard]] Eigen::MatrixXd relative_jacobian_of(VariableSlot a, VariableSlot b) const {
+    const Variable &of_a = variables[a], &of_b = variables[b];
+    CAIRN_CHECK(is_pose(of_a.type) && of_a.type == of_b.type,
+                "relative covariance is of two poses of one type");
+    const int d = tangent_dimension(of_a.type);
+    Eigen::MatrixXd J(d, 2 * d);
+    J.rightCols(d).setIdentity();
+    J.leftCols(d) = of_a.type == VariableType::kPose2
+                        ? relative_jacobian(values.pose2[of_a.index], values.pose2[of_b.index])
+                        : relative_jacobian(values.pose3[of_a.index], values.pose3[of_b.index]);
+    return J;
+  }
+
+  /// H^-1 J^T for a pair: all rows, a column for each of J.
+  [[nodiscard]] Eigen::MatrixXd solve_pair(std::pair<VariableSlot, VariableSlot> pair,
+                                           const Eigen::MatrixXd& J) const {
+    const int d = dimension(pair.first);
+    Eigen::MatrixXd columns = Eigen::MatrixXd::Zero(pattern.scalar_size(), d);
+    for (const bool first : {true, false}) {
+      const VariableSlot slot = first ? pair.first : pair.second;
+      if (standing[slot] == Standing::kUnknown)
+        columns.middleRows(pattern.scalar_begin[block_of_slot[slot]], d) +=
+            (first ? J.leftCols(d) : J.rightCols(d)).transpose();
+    }
+    for (int j = 0; j < d && linear; ++j)
+      linear->solve(columns.col(j).data(), columns.col(j).data());
+    return columns;
+  }
+  /// The rows of both poses of a pair; of held ones zero, of under-constrained ones NaN.
+  [[nodiscard]] Eigen::MatrixXd rows_of(std::pair<VariableSlot, VariableSlot> pair,
+                                        const Eigen::MatrixXd& columns) const {
+    const int d = dimension(pair.first);
+    Eigen::MatrixXd rows = Eigen::MatrixXd::Zero(2 * d, columns.cols());
+    for (const bool first : {true, false}) {
+      const VariableSlot slot = first ? pair.first : pair.second;
+      auto half = rows.middleRows(first ? 0 : d, d);
+      if (standing[slot] == Standing::kUnknown)
+        half = columns.middleRows(pattern.scalar_begin[block_of_slot[slot]], d);
+      else if (standing[slot] == Standing::kUnderConstrained)
+        half.setConstant(kNan);
+    }
+    return rows;
+  }
+
   /// The same from columns of the inverse, one solve each.
   [[nodiscard]] Eigen::MatrixXd solve_block(VariableSlot a, VariableSlot b) const {
     Eigen::MatrixXd covariance(dimension(a), dimension(b));
@@ -150,18 +195,24 @@ Eigen::MatrixXd Marginals::joint_covariance(VariableSlot a, VariableSlot b) cons
 }
 
 Eigen::MatrixXd Marginals::relative_covariance(VariableSlot a, VariableSlot b) const {
-  const Variable &of_a = state_->variables[a], &of_b = state_->variables[b];
-  CAIRN_CHECK(is_pose(of_a.type) && of_a.type == of_b.type,
-              "relative covariance is of two poses of one type");
-  const int d = tangent_dimension(of_a.type);
-  Eigen::MatrixXd J(d, 2 * d);
-  J.rightCols(d).setIdentity();
-  J.leftCols(d) =
-      of_a.type == VariableType::kPose2
-          ? relative_jacobian(state_->values.pose2[of_a.index], state_->values.pose2[of_b.index])
-          : relative_jacobian(state_->values.pose3[of_a.index], state_->values.pose3[of_b.index]);
-  if (a == b) return Eigen::MatrixXd::Zero(d, d);
+  const Eigen::MatrixXd J = state_->relative_jacobian_of(a, b);
+  if (a == b) return Eigen::MatrixXd::Zero(J.rows(), J.rows());
   return J * joint_covariance(a, b) * J.transpose();
+}
+
+Eigen::MatrixXd Marginals::relative_covariance(
+    std::span<const std::pair<VariableSlot, VariableSlot>> pairs) const {
+  const auto count = static_cast<Eigen::Index>(pairs.size());
+  const Eigen::Index d = pairs.empty() ? 0 : state_->dimension(pairs.front().first);
+  std::vector<Eigen::MatrixXd> J;
+  for (const auto& [a, b] : pairs) J.push_back(state_->relative_jacobian_of(a, b));
+  Eigen::MatrixXd covariance(count * d, count * d);
+  for (Eigen::Index x = 0; x < count; ++x) {
+    const Eigen::MatrixXd moved = state_->solve_pair(pairs[x], J[x]);
+    for (Eigen::Index y = 0; y < count; ++y)
+      covariance.block(y * d, x * d, d, d) = J[y] * state_->rows_of(pairs[y], moved);
+  }
+  return 0.5 * (covariance + covariance.transpose());
 }
 
 }  // namespace cairn

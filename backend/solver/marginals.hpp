@@ -3,6 +3,8 @@
 
 #include <Eigen/Core>
 #include <memory>
+#include <span>
+#include <utility>
 #include <vector>
 
 #include "cairn/core/result.hpp"
@@ -31,6 +33,10 @@ class Marginals {
   /// Covariance of T_a_b = T_map_a^-1 * T_map_b in the tangent space at T_a_b; both must be poses
   /// of one type.
   [[nodiscard]] Eigen::MatrixXd relative_covariance(VariableSlot a, VariableSlot b) const;
+  /// The same of several pairs together, one d x d block for each two of them; costs d solves a
+  /// pair.
+  [[nodiscard]] Eigen::MatrixXd relative_covariance(
+      std::span<const std::pair<VariableSlot, VariableSlot>> pairs) const;
 
  private:
   struct State;

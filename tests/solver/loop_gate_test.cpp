@@ -19,6 +19,7 @@
 #include "cairn/io/graph_file.hpp"
 #include "cairn/solver/loop_cycles.hpp"
 #include "cairn/solver/optimize.hpp"
+#include "datasets/false_loops.hpp"
 #include "datasets/simulate.hpp"
 #include "tests/support/datasets.hpp"
 
@@ -33,57 +34,6 @@ Graph simulated(World world, std::size_t poses, std::uint64_t seed) {
   return std::move(made->graph);
 }
 
-double metres_off(const BetweenSe2& loop, const Graph& solved, VariableId a, VariableId b) {
-  const auto& poses = solved.values().pose2;
-  const auto pose = [&](VariableId id) {
-    return poses[solved.variables()[*solved.find(id)].index];
-  };
-  return ((pose(a) * loop.T_a_b_measured).translation() - pose(b).translation()).norm();
-}
-double metres_off(const BetweenSe3& loop, const Graph& solved, VariableId a, VariableId b) {
-  const auto& poses = solved.values().pose3;
-  const auto pose = [&](VariableId id) {
-    return poses[solved.variables()[*solved.find(id)].index];
-  };
-  return ((pose(a) * loop.T_a_b_measured).translation() - pose(b).translation()).norm();
-}
-
-// Loops as a front-end that confuses places reports them: what was measured between two poses, said
-// of two others, where it is three metres off or more. The last `in_groups` of them in groups of
-// four keyframes in a row that agree with each other.
-template <class F>
-std::set<std::size_t> add_false_loops(Graph& graph, const Graph& solved, int count, int in_groups,
-                                      std::uint64_t seed) {
-  std::mt19937_64 random(seed);
-  std::vector<F> loops;
-  std::map<std::uint64_t, F> odometry;  // by the id it leads from
-  const TypedBatch<F>& batch = *graph.find_batch<F>();
-  for (const FactorRef factor : graph.factors()) {
-    if (graph.batches()[factor.batch].get() != &batch) continue;
-    const std::uint64_t from = graph.variables()[graph.slots_of(factor)[0]].id.value;
-    if (batch.kinds()[factor.index] == FactorKind::kLoop)
-      loops.push_back(batch.factor(factor.index));
-    else
-      odometry.emplace(from, batch.factor(factor.index));
-  }
-  std::set<std::size_t> places;
-  const std::uint64_t poses = odometry.size() + 1;
-  while (static_cast<int>(places.size()) < count) {
-    F loop = loops[random() % loops.size()];
-    std::uint64_t a = random() % poses, b = random() % poses;
-    const int in_a_row = static_cast<int>(places.size()) < count - in_groups ? 1 : 4;
-    for (int i = 0; i < in_a_row && static_cast<int>(places.size()) < count; ++i, ++a, ++b) {
-      if (a + 40 >= b || b + 1 >= poses) break;
-      if (metres_off(loop, solved, VariableId{a}, VariableId{b}) < 3.0) break;
-      places.insert(graph.factor_count());
-      EXPECT_TRUE(graph.add_factor(loop, {VariableId{a}, VariableId{b}}, FactorKind::kLoop));
-      loop.T_a_b_measured = odometry.at(a).T_a_b_measured.inverse() * loop.T_a_b_measured *
-                            odometry.at(b).T_a_b_measured;
-    }
-  }
-  return places;
-}
-
 std::set<std::size_t> left_out(const GatedSolution& solution) {
   std::set<std::size_t> places;
   for (const LeftOutLoop& loop : solution.left_out) places.insert(loop.factor);
@@ -91,15 +41,17 @@ std::set<std::size_t> left_out(const GatedSolution& solution) {
 }
 
 template <class F>
-void find_all_and_only_false_loops(Graph graph, int count, int in_groups, std::uint64_t seed) {
+void find_all_and_only_false_loops(Graph graph, std::size_t count, std::size_t in_groups,
+                                   std::uint64_t seed) {
   SCOPED_TRACE("seed " + std::to_string(seed));
   Graph clean = graph;
   const SolveOptions options{.init = InitMethod::kAuto};
   const double chi2 = optimize(clean, options).final_chi2;
   const std::set<std::size_t> false_loops =
-      add_false_loops<F>(graph, clean, count, in_groups, seed);
+      add_false_loops<F>(graph, clean, {.count = count, .in_groups = in_groups, .seed = seed});
   const GatedSolution solution = solve_gated(graph, options);
   ASSERT_TRUE(solution.summary.usable());
+  ASSERT_EQ(false_loops.size(), count);
   EXPECT_EQ(left_out(solution), false_loops);
   EXPECT_NEAR(solution.summary.final_chi2, chi2, 1e-6 * chi2);
   for (const LeftOutLoop& loop : solution.left_out) EXPECT_GT(loop.value, loop.threshold);
@@ -155,7 +107,8 @@ INSTANTIATE_TEST_SUITE_P(PublicGraphs, CleanGraphTest,
 TEST(LoopGate, TakesACopyForNoWitness) {
   Graph graph = simulated(World::kCity, 400, 1), clean = graph;
   optimize(clean, {.init = InitMethod::kAuto});
-  std::set<std::size_t> false_loops = add_false_loops<BetweenSe2>(graph, clean, 1, 0, 7);
+  std::set<std::size_t> false_loops =
+      add_false_loops<BetweenSe2>(graph, clean, {.count = 1, .seed = 7});
   const FactorRef loop = graph.factors()[*false_loops.begin()];
   const std::vector<VariableSlot> ends = graph.slots_of(loop);
   false_loops.insert(graph.factor_count());
@@ -222,8 +175,9 @@ TEST(LoopGate, GatesThePlaneAndSpaceApart) {
   Graph solved_city = city, solved_sphere = sphere;
   optimize(solved_city, {.init = InitMethod::kAuto});
   optimize(solved_sphere, {.init = InitMethod::kAuto});
-  const auto in_city = add_false_loops<BetweenSe2>(city, solved_city, 5, 0, 4);
-  const auto in_sphere = add_false_loops<BetweenSe3>(sphere, solved_sphere, 5, 0, 4);
+  const auto in_city = add_false_loops<BetweenSe2>(city, solved_city, {.count = 5, .seed = 4});
+  const auto in_sphere =
+      add_false_loops<BetweenSe3>(sphere, solved_sphere, {.count = 5, .seed = 4});
   std::set<std::size_t> expected = in_city;
   for (const std::size_t place : in_sphere) expected.insert(city.factor_count() + place);
   append(city, sphere, 100'000);
