@@ -2,29 +2,32 @@
 #pragma once
 
 #include <cstddef>
+#include <utility>
 #include <vector>
 
 #include "cairn/solver/loop_fit.hpp"
 
 namespace cairn {
 
-/// Loops between two chains of odometry hold each other: a few that agree, and that the map gives
-/// way to, fit it whatever they say. Finds those that take part (`in`, by place in
-/// LoopCycles::loops()) and are not where `solved` would have them without them.
+/// Loops that say the same hold each other: alone each fits a map that gave way to all of them.
+/// Finds those that take part (`in`, by place in LoopCycles::loops()) and are not where `solved`
+/// would have them without their whole cluster: loops of which `agreeing` are pairs, and single
+/// ones between two chains of odometry.
 ///
-/// What nearby loops agree on, at `noise_scale`, is a cluster. It is judged by the common shift
-/// that fits its loops best: with their whitened errors r, the joint covariance S of these in the
-/// solution, and the Jacobian A of the shift, r^T A (A^T (I - S) A)^-1 A^T r is its squared
-/// Mahalanobis distance from none. The limit, times `scale`, is largest_chi2() where the rest of
-/// the map holds the cluster's place, and a quarter of that where nothing does.
+/// A cluster is judged by the common shift that fits its loops best: with their whitened errors r,
+/// the joint covariance S of these in the solution, and the Jacobian A of the shift,
+/// r^T A (A^T (I - S) A)^-1 A^T r is its squared Mahalanobis distance from none. The limit, times
+/// `scale`, is largest_chi2(); between chains that is so only where the rest of the map holds the
+/// cluster's place as well as the cluster itself does, and a quarter of it where nothing does.
 ///
 /// The worst first, then what is as bad without it as far as linearization tells: solve and ask
-/// again. Of very many loops the larger clusters are left in unseen.
+/// again. S_ij is bounded by S_ii and S_jj for all, and computed for those that this does not
+/// acquit, at most 256 loops.
 template <class Pose>
-std::vector<std::size_t> find_shifted_clusters(const LoopCycles<Pose>& cycles, const Graph& solved,
-                                               const LoopFit<Pose>& fit,
-                                               const std::vector<bool>& in,
-                                               const Marginals& marginals, double noise_scale,
-                                               double scale);
+std::vector<std::size_t> find_shifted_clusters(
+    const LoopCycles<Pose>& cycles,
+    const std::vector<std::pair<std::size_t, std::size_t>>& agreeing, const Graph& solved,
+    const LoopFit<Pose>& fit, const std::vector<bool>& in, const Marginals& marginals,
+    double scale);
 
 }  // namespace cairn

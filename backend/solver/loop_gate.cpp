@@ -136,8 +136,8 @@ class LoopGate {
   // False where no cluster is.
   bool leave_out_shifted() {
     if (marginals() == nullptr) return false;
-    const std::vector<std::size_t> shifted = find_shifted_clusters(
-        cycles_, graph_, fit_, in_, *marginals(), result_.noise_scale, scale_);
+    const std::vector<std::size_t> shifted =
+        find_shifted_clusters(cycles_, groups_.agreeing, graph_, fit_, in_, *marginals(), scale_);
     for (const std::size_t loop : shifted) {
       in_[loop] = false;
       ++times_shifted_[loop];

@@ -16,6 +16,7 @@ constexpr double kMostTimesMeasured = 10;
 
 struct Pair {
   std::size_t x, y;
+  bool copies;  ///< of one pair of poses: no second witness
   double chi2;
 };
 
@@ -51,17 +52,17 @@ class Grouping {
         const Loop &first = loops()[x], &second = loops()[y];
         if (!cycles_.nearby(first, second)) break;
         const int distance = cycles_.distance(first, second);
-        if (distance > 0 && distance <= kReach)  // a copy is no second witness
-          near.push_back({x, y, cycles_.chi2(first, second)});
+        if (distance <= kReach) near.push_back({x, y, distance == 0, cycles_.chi2(first, second)});
       }
     }
     return near;
   }
 
   void measure_noise(const std::vector<Pair>& near) {
-    if (near.size() < kLeastPairs) return;
     std::vector<double> all;
-    for (const Pair& pair : near) all.push_back(pair.chi2);
+    for (const Pair& pair : near)
+      if (!pair.copies) all.push_back(pair.chi2);
+    if (all.size() < kLeastPairs) return;
     result_.noise_scale = trusted_noise_scale(median(std::move(all)) / median_chi2(kDimension));
   }
 
@@ -69,6 +70,8 @@ class Grouping {
   void group(const std::vector<Pair>& agreeing) {
     std::vector<std::vector<std::size_t>> partners(loops().size());
     for (const Pair& pair : agreeing) {
+      result_.agreeing.emplace_back(pair.x, pair.y);
+      if (pair.copies) continue;
       partners[pair.x].push_back(pair.y);
       partners[pair.y].push_back(pair.x);
       result_.supported[pair.x] = result_.supported[pair.y] = true;

@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <functional>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "cairn/solver/loop_cycles.hpp"
@@ -32,9 +33,10 @@ struct LoopGroups {
     bool in = true;  ///< no more loops speak against it than for it
   };
   std::vector<Group> groups;
-  std::vector<bool> supported;     ///< in a group of several that is in
-  std::vector<bool> contradicted;  ///< in one that is not
-  double noise_scale = 1.0;        ///< 1 where too few nearby loops measure it
+  std::vector<std::pair<std::size_t, std::size_t>> agreeing;  ///< nearby ones, copies too
+  std::vector<bool> supported;                                ///< in a group of several that is in
+  std::vector<bool> contradicted;                             ///< in one that is not
+  double noise_scale = 1.0;  ///< 1 where too few nearby loops measure it
 };
 
 /// Groups loops that support each other over short stretches of odometry, and leaves out, the
