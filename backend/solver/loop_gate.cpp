@@ -19,10 +19,12 @@ namespace {
 
 constexpr double kFits = 4;             // medians, of a solution taken without another look
 constexpr int kIterationsWithAll = 20;  // more are spent only where loops fit together
+constexpr double kSameMinimum = 1e-6;   // of chi2
 constexpr int kMostRounds = 16;         // of leaving out, and of taking back
 constexpr std::size_t kMostOpponents = 3;
 constexpr double kComparisonWork = 2e5;  // multiplications: a group against 300, at most
-constexpr int kMostReturns = 1;  // of a loop in a cluster that was out of place
+constexpr int kMostReturns = 2;  // of one loop
+constexpr int kMostStarts = 3;
 
 template <class Pose>
 class LoopGate {
@@ -44,8 +46,10 @@ class LoopGate {
 
   GatedSolution run() {
     if (!take_groups() || !solve_supported()) return finish();
-    for (const bool supported : {true, false}) take_back(supported);
-    start_again();
+    for (int start = 0; start < kMostStarts; ++start) {
+      for (const bool supported : {true, false}) take_back(supported);
+      if (!start_again() || !revise()) break;
+    }
     return finish();
   }
 
@@ -85,7 +89,7 @@ class LoopGate {
     }
     groups_ = std::move(*found);
     in_ = groups_.supported;
-    times_shifted_.resize(in_.size());
+    returns_.resize(in_.size());
     for (std::size_t i = 0; i < in_.size(); ++i) ties_parts_.push_back(!ties_.joined(i));
     for (const LoopGroups::Group& group : groups_.groups)
       if (group.in && ties_parts_[group.loops.front()]) in_[group.loops.front()] = true;
@@ -95,14 +99,13 @@ class LoopGate {
 
   // False where there is no solution.
   bool solve_supported() {
-    solve(options_.init, std::min(kIterationsWithAll, options_.max_iterations));
+    solve_from_start(std::min(kIterationsWithAll, options_.max_iterations));
     if (interrupted()) return false;
     if (result_.summary.usable() && worst_of(ratios()) <= kFits * scale_ &&
         worst_of(lone_ratios()) <= most() && !leave_out_shifted())
       return true;
     leave_out_smaller_half();
-    graph_.values() = start_;
-    solve(options_.init, options_.max_iterations);
+    solve_from_start(options_.max_iterations);
     return revise();
   }
 
@@ -138,10 +141,7 @@ class LoopGate {
     if (marginals() == nullptr) return false;
     const std::vector<std::size_t> shifted =
         find_shifted_clusters(cycles_, groups_.agreeing, graph_, fit_, in_, *marginals(), scale_);
-    for (const std::size_t loop : shifted) {
-      in_[loop] = false;
-      ++times_shifted_[loop];
-    }
+    for (const std::size_t loop : shifted) in_[loop] = false;
     return !shifted.empty();
   }
 
@@ -162,18 +162,19 @@ class LoopGate {
     }
   }
 
-  // What was taken in bit by bit may have led to a minimum beside the best one.
-  void start_again() {
-    if (!result_.summary.usable()) return;
+  // What was taken in bit by bit may have led to a minimum beside the best one. True where it had.
+  bool start_again() {
+    if (!result_.summary.usable() || started_) return false;
     const Values found = graph_.values();
     const SolveSummary summary = result_.summary;
-    graph_.values() = start_;
-    solve(options_.init, options_.max_iterations);
-    if (interrupted() ||
-        (result_.summary.usable() && result_.summary.final_chi2 <= summary.final_chi2))
-      return;
+    solve_from_start(options_.max_iterations);
+    if (interrupted()) return false;
+    const double least = (1.0 - kSameMinimum) * summary.final_chi2;
+    if (result_.summary.usable() && result_.summary.final_chi2 <= summary.final_chi2)
+      return result_.summary.final_chi2 < least;
     graph_.values() = found;
     result_.summary = summary;
+    return false;
   }
 
   // What agrees with the solution as well as its covariance lets it.
@@ -182,7 +183,7 @@ class LoopGate {
     std::vector<bool> now = in_;
     for (std::size_t i = 0; i < loops().size(); ++i) {
       if (in_[i] || (supported && !groups_.supported[i]) || !ties_.joined(i) ||
-          times_shifted_[i] > kMostReturns)
+          returns_[i] == kMostReturns)
         continue;
       bool agrees = ratio(i) <= most();  // more covariance makes it less
       if (!agrees) {
@@ -191,6 +192,7 @@ class LoopGate {
                  most() * median_chi2(kDimension);
       }
       now[i] = agrees;
+      returns_[i] += agrees;
       any |= agrees;
     }
     in_ = std::move(now);
@@ -211,6 +213,7 @@ class LoopGate {
   void solve(InitMethod init, int iterations) {
     ties_.join(in_);
     marginals_.reset();
+    started_ = false;
     Graph rest = graph_.with_factors(kept());
     SolveOptions options = options_;
     options.init = init;
@@ -221,6 +224,11 @@ class LoopGate {
       result_.summary.usable_result = false;
     }
     graph_.values() = rest.values();
+  }
+  void solve_from_start(int iterations) {
+    graph_.values() = start_;
+    solve(options_.init, iterations);
+    started_ = result_.summary.stop_reason != StopReason::kIterationLimit;
   }
   [[nodiscard]] bool interrupted() const {
     return result_.summary.stop_reason == StopReason::kInterrupted ||
@@ -312,9 +320,10 @@ class LoopGate {
   LoopFit<Pose> fit_;
   LoopTies ties_;
   LoopGroups groups_;
-  std::vector<bool> in_;                        // by loop: takes part
-  std::vector<bool> ties_parts_;                // by loop: nothing but loops ties its ends together
-  std::vector<int> times_shifted_;              // by loop: left out with its cluster
+  std::vector<bool> in_;          // by loop: takes part
+  std::vector<bool> ties_parts_;  // by loop: nothing but loops ties its ends together
+  bool started_ = false;          // the last solve did, from the beginning, to its end
+  std::vector<int> returns_;      // by loop: how often it was taken back
   std::optional<Result<Marginals>> marginals_;  // of the last solution
   double scale_ = 1.0;                          // of residuals at the solution
   GatedSolution result_;
