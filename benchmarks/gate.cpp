@@ -219,7 +219,8 @@ void run(const Arguments& arguments, std::uint64_t seed) {
       "alike: the true map's covariance cannot tell it from a true one (99 %).\n"
       "off: distance of the poses from the optimum without false loops, over its extent.");
   for (const Set& set : sets)
-    if (arguments.wants(set.name)) try_false_loops(set, arguments.rounds, seed);
+    if (arguments.wants(set.name))
+      try_false_loops(set, set.between_robots ? 4 * arguments.rounds : arguments.rounds, seed);
 }
 
 }  // namespace

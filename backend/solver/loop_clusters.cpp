@@ -18,8 +18,8 @@ constexpr double kLeastFirm = 1e-3;   // what is less is rounding
 // Front-ends' mistakes come in short runs. Long runs of true loops bend, and no shift describes it.
 constexpr std::size_t kShortRun = 4;
 constexpr double kBend = 4.0;  // of chi2, for each loop more
-constexpr std::size_t kMostLoops = 256;
-constexpr std::size_t kMostWork = 500'000;  // loops times variables
+constexpr std::size_t kMostSuspects = 256;
+constexpr std::size_t kMostWork = 500'000;  // suspects times variables
 
 template <class Pose>
 class ClusterTest {
@@ -74,37 +74,48 @@ class ClusterTest {
       clusters_[cluster].loops.push_back(i);
     }
     std::erase_if(clusters_, [this](const Cluster& cluster) {
-      return cluster.loops.size() == 1 && !is_between(cluster);
+      const std::size_t size = cluster.loops.size();
+      return !is_between(cluster) && (size == 1 || size > 2 * kShortRun);
     });
   }
   [[nodiscard]] bool is_between(const Cluster& cluster) const {
     return cycles_.leads_elsewhere(cycles_.loops()[cluster.loops.front()]);
   }
 
-  // As if the errors of a cluster were fully correlated, they are in the solution at most.
+  // By a bound first: as if the errors of a cluster were fully correlated.
   void keep_suspects(const Marginals& marginals) {
-    for (Cluster& cluster : clusters_) {
-      Matrix stated = Matrix::Zero(), own = Matrix::Zero();
-      Vector pull = Vector::Zero();
-      for (const std::size_t loop : cluster.loops) {
-        const Whitened whitened = fit_.whitened(factor(loop));
-        const Matrix A = by_shift(cluster, loop, whitened.J);
-        const Matrix by_T = whitened.J.transpose() * A;
-        stated += A.transpose() * A;
-        own += by_T.transpose() * marginals.relative_covariance(whitened.a, whitened.b) * by_T;
-        pull += A.transpose() * whitened.error;
-      }
-      cluster.excess =
-          excess_of(cluster, stated, static_cast<double>(cluster.loops.size()) * own, pull);
-    }
-    std::erase_if(clusters_, [](const Cluster& cluster) { return cluster.excess <= 1.0; });
+    acquit([&](Cluster& cluster) { return excess_of(cluster, marginals, true); });
     std::stable_sort(clusters_.begin(), clusters_.end(),
                      [](const Cluster& x, const Cluster& y) { return x.excess > y.excess; });
-    const std::size_t most = std::min(kMostLoops, kMostWork / graph_.variables().size());
-    std::size_t loops = 0;
-    std::erase_if(clusters_, [&loops, most](const Cluster& cluster) {
-      return (loops += cluster.loops.size()) > most;
-    });
+    const std::size_t most = std::min(kMostSuspects, kMostWork / graph_.variables().size());
+    clusters_.resize(std::min(clusters_.size(), most));
+    acquit([&](Cluster& cluster) { return excess_of(cluster, marginals, false); });
+  }
+  template <class Excess>
+  void acquit(const Excess& excess) {
+    for (Cluster& cluster : clusters_) cluster.excess = excess(cluster);
+    std::erase_if(clusters_, [](const Cluster& cluster) { return cluster.excess <= 1.0; });
+  }
+  [[nodiscard]] double excess_of(const Cluster& cluster, const Marginals& marginals,
+                                 bool at_most) const {
+    Matrix stated = Matrix::Zero(), own = Matrix::Zero();
+    Vector pull = Vector::Zero();
+    std::vector<std::pair<VariableSlot, VariableSlot>> ends;
+    std::vector<Eigen::MatrixXd> weights;
+    for (const std::size_t loop : cluster.loops) {
+      const Whitened whitened = fit_.whitened(factor(loop));
+      const Matrix A = by_shift(cluster, loop, whitened.J);
+      stated += A.transpose() * A;
+      pull += A.transpose() * whitened.error;
+      ends.emplace_back(whitened.a, whitened.b);
+      weights.emplace_back(whitened.J.transpose() * A);
+      if (at_most)
+        own += weights.back().transpose() * marginals.relative_covariance(whitened.a, whitened.b) *
+               weights.back();
+    }
+    own = at_most ? Matrix(static_cast<double>(ends.size()) * own)
+                  : Matrix(marginals.covariance_of_sum(ends, weights));
+    return excess_of(cluster, stated, own, pull);
   }
 
   // Errors, their covariance in the solution, and what a shift of each cluster does to them.

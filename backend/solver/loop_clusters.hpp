@@ -21,8 +21,8 @@ namespace cairn {
 /// cluster's place as well as the cluster itself does, and a quarter of it where nothing does.
 ///
 /// The worst first, then what is as bad without it as far as linearization tells: solve and ask
-/// again. S_ij is bounded by S_ii and S_jj for all, and computed for those that this does not
-/// acquit, at most 256 loops.
+/// again. S_ij is bounded by S_ii and S_jj first, and computed where this does not acquit a
+/// cluster; of very many the least suspicious are let go.
 template <class Pose>
 std::vector<std::size_t> find_shifted_clusters(
     const LoopCycles<Pose>& cycles,

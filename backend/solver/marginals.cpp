@@ -98,20 +98,20 @@ struct Marginals::State {
     return J;
   }
 
-  /// H^-1 J^T for a pair: all rows, a column for each of J.
-  [[nodiscard]] Eigen::MatrixXd solve_pair(std::pair<VariableSlot, VariableSlot> pair,
-                                           const Eigen::MatrixXd& J) const {
+  /// Adds J^T for a pair: all rows, a column for each of J.
+  void add_columns(std::pair<VariableSlot, VariableSlot> pair, const Eigen::MatrixXd& J,
+                   Eigen::MatrixXd& columns) const {
     const int d = dimension(pair.first);
-    Eigen::MatrixXd columns = Eigen::MatrixXd::Zero(pattern.scalar_size(), d);
     for (const bool first : {true, false}) {
       const VariableSlot slot = first ? pair.first : pair.second;
       if (standing[slot] == Standing::kUnknown)
         columns.middleRows(pattern.scalar_begin[block_of_slot[slot]], d) +=
             (first ? J.leftCols(d) : J.rightCols(d)).transpose();
     }
-    for (int j = 0; j < d && linear; ++j)
+  }
+  void solve(Eigen::MatrixXd& columns) const {
+    for (Eigen::Index j = 0; j < columns.cols() && linear; ++j)
       linear->solve(columns.col(j).data(), columns.col(j).data());
-    return columns;
   }
   /// The rows of both poses of a pair; of held ones zero, of under-constrained ones NaN.
   [[nodiscard]] Eigen::MatrixXd rows_of(std::pair<VariableSlot, VariableSlot> pair,
@@ -208,10 +208,30 @@ Eigen::MatrixXd Marginals::relative_covariance(
   for (const auto& [a, b] : pairs) J.push_back(state_->relative_jacobian_of(a, b));
   Eigen::MatrixXd covariance(count * d, count * d);
   for (Eigen::Index x = 0; x < count; ++x) {
-    const Eigen::MatrixXd moved = state_->solve_pair(pairs[x], J[x]);
+    Eigen::MatrixXd moved = Eigen::MatrixXd::Zero(state_->pattern.scalar_size(), d);
+    state_->add_columns(pairs[x], J[x], moved);
+    state_->solve(moved);
     for (Eigen::Index y = 0; y < count; ++y)
       covariance.block(y * d, x * d, d, d) = J[y] * state_->rows_of(pairs[y], moved);
   }
+  return 0.5 * (covariance + covariance.transpose());
+}
+
+Eigen::MatrixXd Marginals::covariance_of_sum(
+    std::span<const std::pair<VariableSlot, VariableSlot>> pairs,
+    std::span<const Eigen::MatrixXd> weights) const {
+  const Eigen::Index sums = weights.empty() ? 0 : weights.front().cols();
+  Eigen::MatrixXd columns = Eigen::MatrixXd::Zero(state_->pattern.scalar_size(), sums);
+  std::vector<Eigen::MatrixXd> J;
+  for (std::size_t i = 0; i < pairs.size(); ++i) {
+    J.push_back(weights[i].transpose() *
+                state_->relative_jacobian_of(pairs[i].first, pairs[i].second));
+    state_->add_columns(pairs[i], J.back(), columns);
+  }
+  state_->solve(columns);
+  Eigen::MatrixXd covariance = Eigen::MatrixXd::Zero(sums, sums);
+  for (std::size_t i = 0; i < pairs.size(); ++i)
+    covariance += J[i] * state_->rows_of(pairs[i], columns);
   return 0.5 * (covariance + covariance.transpose());
 }
 

@@ -37,6 +37,11 @@ class Marginals {
   /// pair.
   [[nodiscard]] Eigen::MatrixXd relative_covariance(
       std::span<const std::pair<VariableSlot, VariableSlot>> pairs) const;
+  /// Of the sum over pairs of weight^T times the change of T_a_b; weights are d x n. Costs n
+  /// solves.
+  [[nodiscard]] Eigen::MatrixXd covariance_of_sum(
+      std::span<const std::pair<VariableSlot, VariableSlot>> pairs,
+      std::span<const Eigen::MatrixXd> weights) const;
 
  private:
   struct State;
