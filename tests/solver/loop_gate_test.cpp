@@ -81,6 +81,34 @@ TEST(LoopGate, FindsFalseLoopsOfPublicGraphs) {
   find_all_and_only_false_loops<BetweenSe3>(read_graph(sphere)->graph, 100, 0, seed);
 }
 
+// Four robots, few loops between them: false ones hold each other, and the map gives way to them.
+TEST(LoopGate, FindsFalseLoopsBetweenRobots) {
+  CAIRN_REQUIRE_DATASET(folder, "graphs/multirobot/argos_clean_4robots");
+  std::vector<std::string> paths;
+  for (const char* robot : {"0", "1", "2", "3"}) paths.push_back(folder + "/" + robot + ".g2o");
+  const Graph clean = read_graphs(paths)->graph;
+  const SolveOptions options{.init = InitMethod::kAuto};
+  Graph solved = clean;
+  EXPECT_THAT(solve_gated(solved, options).left_out, IsEmpty());
+  const std::uint64_t seed = drawn_seed();
+  std::size_t drawn = 0, found = 0, lost = 0;
+  for (std::uint64_t draw = 0; draw < 12; ++draw) {
+    Graph graph = clean;
+    const std::size_t count = std::vector<std::size_t>{5, 20, 50}[draw % 3];
+    const std::set<std::size_t> false_loops = add_false_loops<BetweenSe3>(
+        graph, solved,
+        {.count = count, .in_groups = count / 3, .between_robots = true, .seed = seed + draw});
+    const GatedSolution solution = solve_gated(graph, options);
+    ASSERT_TRUE(solution.summary.usable()) << "draw " << draw;
+    drawn += false_loops.size();
+    for (const std::size_t place : left_out(solution))
+      ++(false_loops.contains(place) ? found : lost);
+  }
+  EXPECT_EQ(drawn, 300u);
+  EXPECT_GE(found, 285u);
+  EXPECT_LE(lost, 19u) << "2 % of 12 times 83";
+}
+
 class CleanGraphTest : public testing::TestWithParam<const char*> {};
 
 TEST_P(CleanGraphTest, KeepsAllLoopsAndFindsTheOptimum) {

@@ -5,6 +5,8 @@
 
 #include <Eigen/LU>
 #include <random>
+#include <utility>
+#include <vector>
 
 #include "cairn/factors/between.hpp"
 #include "cairn/factors/landmark_xy.hpp"
@@ -227,6 +229,32 @@ TEST(Marginals, OfAChainGrowAlongIt) {
   EXPECT_NEAR(marginals.covariance(29)(0, 0), 29 * 0.01, 1e-12);
   EXPECT_NEAR(marginals.covariance(29)(2, 2), 29 * 1e-4, 1e-14);
   EXPECT_GT(marginals.covariance(29)(1, 1), 0.5);
+}
+
+// The referee: the sum of two independent ways, a block for each pair and one pair at a time.
+TEST(Marginals, OfSeveralRelativePosesAreThoseOfEachAndOfTheirSum) {
+  const Graph graph = space(12, 3, 5);
+  const Result<Marginals> marginals = Marginals::compute(graph);
+  ASSERT_TRUE(marginals);
+  using Pair = std::pair<VariableSlot, VariableSlot>;
+  const std::vector<Pair> pairs{{2, 7}, {11, 3}, {0, 9}};  // 0 is held
+  const Eigen::MatrixXd joint = marginals->relative_covariance(pairs);
+  ASSERT_EQ(joint.rows(), 18);
+  Eigen::MatrixXd stacked(18, 4);
+  std::vector<Eigen::MatrixXd> weights;
+  RandomNumbers random(1);
+  for (int i = 0; i < 3; ++i) {
+    const Eigen::MatrixXd alone = marginals->relative_covariance(pairs[i].first, pairs[i].second);
+    EXPECT_TRUE(joint.block(6 * i, 6 * i, 6, 6).isApprox(alone, 1e-9));
+    weights.emplace_back(6, 4);
+    for (int k = 0; k < 4; ++k) weights.back().col(k) = random.vector<6>(1.0);
+    stacked.middleRows(6 * i, 6) = weights.back();
+  }
+  const Eigen::MatrixXd sum = marginals->covariance_of_sum(pairs, weights);
+  EXPECT_TRUE(sum.isApprox(stacked.transpose() * joint * stacked, 1e-9));
+  // Correlated, for they share odometry: T_2_7 and T_3_7 in one chain.
+  const Eigen::MatrixXd near = marginals->relative_covariance(std::vector<Pair>{{2, 7}, {3, 7}});
+  EXPECT_GT(near.topRightCorner(6, 6).norm(), 0.1 * near.topLeftCorner(6, 6).norm());
 }
 
 }  // namespace
