@@ -13,8 +13,10 @@
 namespace cairn {
 namespace {
 
-constexpr double kLooseShare = 0.25;  // of the limit, between chains where the map gives way
-constexpr double kLeastFirm = 1e-3;   // what is less is rounding
+// Of the limit, between chains where the map gives way. True loops are far out more often in the
+// plane.
+constexpr double loose_share(int dimension) { return dimension <= 3 ? 0.5 : 0.15; }
+constexpr double kLeastFirm = 1e-3;  // what is less is rounding
 // Front-ends' mistakes come in short runs. Long runs of true loops bend, and no shift describes it.
 constexpr std::size_t kShortRun = 4;
 constexpr double kBend = 4.0;  // of chi2, for each loop more
@@ -192,7 +194,7 @@ class ClusterTest {
     const double loose = is_between(cluster) ? 1.0 - std::min(firm.minCoeff(), 1.0) : 0.0;
     const auto more =
         static_cast<double>(cluster.loops.size() - std::min(cluster.loops.size(), kShortRun));
-    const double limit = largest_chi2(d) * (1.0 - loose * (1.0 - kLooseShare)) + kBend * more;
+    const double limit = largest_chi2(d) * (1.0 - loose * (1.0 - loose_share(d))) + kBend * more;
     return chi2 / (limit * scale_);
   }
 

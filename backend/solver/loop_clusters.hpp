@@ -18,7 +18,8 @@ namespace cairn {
 /// the joint covariance S of these in the solution, and the Jacobian A of the shift,
 /// r^T A (A^T (I - S) A)^-1 A^T r is its squared Mahalanobis distance from none. The limit, times
 /// `scale`, is largest_chi2(); between chains that is so only where the rest of the map holds the
-/// cluster's place as well as the cluster itself does, and a quarter of it where nothing does.
+/// cluster's place as well as the cluster itself does, and half of it (in space 0.15) where nothing
+/// does.
 ///
 /// The worst first, then what is as bad without it as far as linearization tells: solve and ask
 /// again. S_ij is bounded by S_ii and S_jj first, and computed where this does not acquit a

@@ -59,8 +59,10 @@ struct GatedSolution {
 /// Mangelson et al., "Pairwise consistent measurement set maximization", ICRA 2018, eq. 5, over
 /// short stretches of odometry); of groups of such loops that contradict each other over longer
 /// stretches the weaker go first. What is left is solved; where it does not fit, only the better
-/// supported half is, and what agrees with that solution, by its marginal covariance, comes back:
-/// supported loops first, lonely ones last.
+/// supported half is, and those loops, and clusters of loops that agree, go out of it that do not
+/// fit where the map would be without them: both tests are exact up to linearization, by its
+/// marginal covariance. What agrees with the solution comes back: supported loops first, lonely
+/// ones last.
 ///
 /// A function of the graph. The values of `graph` move to the solution; all its factors stay.
 GatedSolution solve_gated(Graph& graph, const SolveOptions& options = {},
