@@ -231,7 +231,7 @@ TEST(Marginals, OfAChainGrowAlongIt) {
   EXPECT_GT(marginals.covariance(29)(1, 1), 0.5);
 }
 
-// The referee: the sum of two independent ways, a block for each pair and one pair at a time.
+// Against one pair at a time, from the selected inverse.
 TEST(Marginals, OfSeveralRelativePosesAreThoseOfEachAndOfTheirSum) {
   const Graph graph = space(12, 3, 5);
   const Result<Marginals> marginals = Marginals::compute(graph);
