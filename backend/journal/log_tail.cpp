@@ -109,7 +109,10 @@ Log inspect(std::string_view bytes, std::size_t least_write = kLeastWrite,
     }
   }
   const std::size_t broken = std::min(place, bytes.size());
-  log.clean = !inside && bytes.find_first_not_of('\0', broken) == std::string_view::npos;
+  // Of zeros that are fewer than a header RocksDB says that one is truncated.
+  const std::size_t rest = bytes.size() - broken;
+  log.clean = !inside && (rest == 0 || rest >= kHeaderSize) &&
+              bytes.find_first_not_of('\0', broken) == std::string_view::npos;
   // From the break on, fragment by fragment while lengths lead to whole ones, else block by block.
   bool first = true;
   while (place < bytes.size() && !log.write_after_the_break) {

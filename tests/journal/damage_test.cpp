@@ -151,12 +151,26 @@ TEST_F(Damage, OfTheManifestLosesNoRecord) {
 // What a power failure leaves of an append: a header without its data, and data without theirs.
 TEST_F(Damage, IsNotWhatAWriteToTheManifestLeftThatDidNotFinish) {
   const std::string nothing(60, '\0'), header("\x11\x22\x33\x44\x32\x00\x01", 7);
-  for (const std::string& tail : {header + nothing, header + std::string(60, 'x'), header}) {
+  for (const std::string& tail :
+       {header + nothing, header + std::string(60, 'x'), header, header.substr(0, 3),
+        nothing.substr(0, 3), nothing.substr(0, 6), nothing.substr(0, 7)}) {
     bool damage = false;
     const std::uint64_t head = head_after(
         store_file("MANIFEST"), [&](std::string& bytes) { bytes += tail; }, damage);
     EXPECT_EQ(head, kRecords) << told_;
     EXPECT_FALSE(damage) << told_;
+  }
+}
+
+TEST_F(Damage, IsNotWhatAWriteToTheLogLeftThatDidNotFinish) {
+  const std::string nothing(60, char());
+  for (const std::size_t length : {1, 3, 6, 7, 60}) {
+    bool damage = false;
+    const std::uint64_t head = head_after(
+        store_file(".log"), [&](std::string& bytes) { bytes += nothing.substr(0, length); },
+        damage);
+    EXPECT_EQ(head, kRecords) << told_;
+    EXPECT_FALSE(damage) << length << ": " << told_;
   }
 }
 
