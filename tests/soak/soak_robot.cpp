@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A robot on its course (course.hpp), a step every PERIOD milliseconds, then every REVISIT ones:
-//   soak_robot DOMAIN SPOOL ROBOT(0..2) RECEIPTS SEED POSES PERIOD REVISIT
+// A robot on its course (course.hpp), a step every PERIOD milliseconds, then REVISITS steps, one
+// every PAUSE milliseconds, then none:
+//   soak_robot DOMAIN SPOOL ROBOT(0..2) RECEIPTS SEED POSES PERIOD PAUSE REVISITS
 // It goes on where its spool ends, and appends to RECEIPTS each receipt that it got: `sequence
 // number-of-record`. SIGUSR1: when all is decided it prints how many steps there were, and stands
 // still, connected, until SIGTERM.
@@ -73,6 +74,7 @@ int run(char** argv) {
       stand_still(*client);
       break;
     }
+    if (client->next_sequence() > number(6) + number(9)) continue;
     if (auto done = take_step(*client, course, receipts); !done) return failed(done.error());
   }
   return 0;
@@ -81,4 +83,4 @@ int run(char** argv) {
 }  // namespace
 }  // namespace cairn
 
-int main(int argc, char** argv) { return argc == 9 ? cairn::run(argv) : 2; }
+int main(int argc, char** argv) { return argc == 10 ? cairn::run(argv) : 2; }
