@@ -23,7 +23,7 @@ constexpr double kSameMinimum = 1e-6;   // of chi2
 constexpr int kMostRounds = 16;         // of leaving out, and of taking back
 constexpr std::size_t kMostOpponents = 3;
 constexpr double kComparisonWork = 2e5;  // multiplications: a group against 300, at most
-constexpr int kMostReturns = 2;  // of one loop
+constexpr int kMostReturns = 2;          // of one loop
 constexpr int kMostStarts = 3;
 
 template <class Pose>
