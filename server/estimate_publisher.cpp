@@ -84,7 +84,7 @@ void EstimatePublisher::name_maps(const PoseGraph& map) {
   for (auto& [frame, parent] : joined_) parent = frame;
   for (const std::size_t place : between_frames_) {
     const StoredFactor& factor = map.factors[place];
-    if (factor.state != FactorState::kCommitted) continue;
+    if (!takes_part(factor.state)) continue;
     for (std::size_t k = 1; k < factor.nodes.size(); ++k) {
       const OdometryFrame a = root_of(map.nodes[factor.nodes[0]].id.frame);
       const OdometryFrame b = root_of(map.nodes[factor.nodes[k]].id.frame);

@@ -155,7 +155,9 @@ Status Service::make_status() const {
   };
   if (!damage_.empty()) mention("the store was damaged: " + damage_);
   if (disk_ != DiskSpace::kPlenty) mention("the disk is nearly full");
-  if (const std::size_t count = head_.quarantined(); count > 0)
+  std::size_t count = 0;
+  for (const auto& [source, own] : head_.quarantined()) count += own;
+  if (count > 0)
     mention(std::to_string(count) + (count == 1 ? " loop closure is" : " loop closures are") +
             " quarantined (cairn log --kind verdict)");
   std::map<std::string, SourceStatus> sources;

@@ -18,30 +18,36 @@ using NodeIndex = std::uint32_t;
 
 struct StoredNode {
   NodeId id;
+  std::uint64_t record;  ///< that brought it
   VariableType type;
   std::int64_t stamp_ns;
   std::vector<double> start;
   std::vector<double> odometry;
 };
 
-/// Whether a factor takes part in the estimate: committed ones do. A loop closure is pending until
-/// the gate has decided, and quarantined where it contradicts the rest. Numbers are those of the
-/// journal.
+/// Whether a factor takes part in the estimate: committed and trusted ones do. A loop closure is
+/// pending until the gate has decided, and quarantined where it contradicts the rest; about trusted
+/// ones an operator has decided. Numbers are those of the journal.
 enum class FactorState : std::uint8_t {
   kPending = 0,
   kCommitted = 1,
   kQuarantined = 2,
   kDisabled = 3,
   kRemoved = 4,
+  kTrusted = 5,
 };
 
-/// Nobody has switched it off: the gate decides whether it takes part.
+/// Nobody has switched it off.
 constexpr bool is_enabled(FactorState state) {
   return state != FactorState::kDisabled && state != FactorState::kRemoved;
+}
+constexpr bool takes_part(FactorState state) {
+  return state == FactorState::kCommitted || state == FactorState::kTrusted;
 }
 
 struct StoredFactor {
   FactorName name;
+  std::uint64_t record;  ///< that brought it
   FactorType type;
   FactorKind kind;
   FactorState state = FactorState::kCommitted;

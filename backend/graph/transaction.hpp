@@ -55,7 +55,14 @@ struct FactorName {
   friend bool operator==(const FactorName&, const FactorName&) = default;
 };
 
-enum class FactorChange : std::uint8_t { kDisable = 0, kEnable = 1, kRemove = 2 };
+/// The last two are an operator's only: no transaction carries them.
+enum class FactorChange : std::uint8_t {
+  kDisable = 0,
+  kEnable = 1,
+  kRemove = 2,
+  kTrust = 3,  ///< a loop closure is in, whatever the gate says
+  kDoubt = 4,  ///< the gate decides about it again
+};
 
 struct FactorEdit {
   FactorName factor;

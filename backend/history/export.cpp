@@ -31,9 +31,8 @@ Result<Content> collect(const Question& question, const Asked& asked) {
     return Error{ErrorCode::kNotUsable, "the map is empty: there is nothing to export yet"};
   Content content{std::move(*map), CanonicalOrder(PoseGraph()), {}};
   if (question.flag("live")) {
-    content.order = CanonicalOrder(content.map, [&](std::uint32_t f) {
-      return content.map.factors[f].state == FactorState::kCommitted;
-    });
+    content.order = CanonicalOrder(
+        content.map, [&](std::uint32_t f) { return takes_part(content.map.factors[f].state); });
     for (const NodeIndex node : content.order.nodes) {
       const auto* numbers = content.map.estimates[node].data();
       content.values.emplace_back(numbers, numbers + value_numbers(content.map.nodes[node].type));

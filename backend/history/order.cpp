@@ -3,16 +3,19 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <ranges>
 #include <set>
+
+#include "cairn/factors/factor_codec.hpp"
+#include "cairn/history/factor_text.hpp"
+#include "cairn/history/record_json.hpp"
 
 namespace cairn {
 namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr std::array kChanges{"disable", "enable", "remove"};
+constexpr std::array kChanges{"disable", "enable", "remove", "trust", "doubt"};
 constexpr std::size_t kMostListed = 20;
 
 std::optional<FactorChange> change_named(const std::string& word) {
@@ -27,17 +30,14 @@ bool is_so(FactorState state, FactorChange change) {
       return state == FactorState::kDisabled;
     case FactorChange::kEnable:
       return is_enabled(state);
+    case FactorChange::kTrust:
+      return state == FactorState::kTrusted;
+    case FactorChange::kDoubt:
+      return state != FactorState::kTrusted;
     case FactorChange::kRemove:
       break;
   }
   return state == FactorState::kRemoved;
-}
-
-std::optional<std::uint64_t> whole_number(std::string_view text) {
-  std::uint64_t number = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
-  if (error != std::errc() || end != text.data() + text.size()) return std::nullopt;
-  return number;
 }
 
 // Who asked, and why, stands in fields of its own.
@@ -47,27 +47,14 @@ std::string asked_by(Question question) {
   return question.verb + ' ' + dump(question.options, -1);
 }
 
-// "12:3" is the factor 3 of record 12; "12" all of them.
-Result<std::vector<std::size_t>> places_of(const std::string& name, const MapHead& head) {
-  const std::size_t colon = name.find(':');
-  const auto record = whole_number(std::string_view(name).substr(0, colon));
-  const auto place = colon == std::string::npos
-                         ? std::nullopt
-                         : whole_number(std::string_view(name).substr(colon + 1));
-  if (!record || (colon != std::string::npos && !place))
-    return Error{ErrorCode::kUsage,
-                 "'" + name.substr(0, 60) +
-                     "' names no factor; expected RECORD or RECORD:PLACE, such as "
-                     "12:0 (cairn log lists records, cairn show their factors)"};
-  const auto [first, last] = head.factors_of(*record);
-  if (first == last || (place && *place >= last - first))
-    return Error{ErrorCode::kUsage, "there is no factor " + name + ": record " +
-                                        std::to_string(*record) + " has " +
-                                        std::to_string(last - first) + " factors in the map"};
-  std::vector<std::size_t> places;
-  for (std::size_t f = first; f < last; ++f)
-    if (!place || f == first + *place) places.push_back(f);
-  return places;
+// Each of these can be undone one by one: what was trusted is trusted again.
+void add_edits(const StoredFactor& factor, FactorChange change, std::vector<FactorEdit>& edits) {
+  if (is_so(factor.state, change)) return;
+  if (change == FactorChange::kTrust && !is_enabled(factor.state))
+    edits.push_back({factor.name, FactorChange::kEnable});
+  if (change == FactorChange::kDisable && factor.state == FactorState::kTrusted)
+    edits.push_back({factor.name, FactorChange::kDoubt});
+  edits.push_back({factor.name, change});
 }
 
 Result<Order> order_edges(const Question& question, const MapHead& head) {
@@ -80,14 +67,18 @@ Result<Order> order_edges(const Question& question, const MapHead& head) {
   std::set<std::size_t> all;
   for (const Json& name : *names) {
     const auto places =
-        places_of(name.is_string() ? name.get<std::string>() : dump(name, -1), head);
+        factors_named(name.is_string() ? name.get<std::string>() : dump(name, -1), head.graph());
     if (!places) return places.error();
     all.insert(places->begin(), places->end());
   }
   Order order{asked_by(question), {}};
   for (const std::size_t place : all) {
     const StoredFactor& factor = head.graph().factors[place];
-    if (!is_so(factor.state, change)) order.edits.push_back({factor.name, change});
+    if (change == FactorChange::kTrust && !is_gated(factor.type, factor.kind))
+      return Error{ErrorCode::kUsage, "factor " + name_of(factor) +
+                                          " is no loop closure between poses, so the gate decides "
+                                          "nothing about it; name one (cairn edge show)"};
+    add_edits(factor, change, order.edits);
   }
   if (const auto refusal = head.check(order.edits))
     return Error{ErrorCode::kNotUsable, refusal->reason + ": what was removed stays removed"};
@@ -103,34 +94,77 @@ std::string list(const std::vector<std::uint64_t>& records) {
   return text;
 }
 
-Result<std::vector<FactorEdit>> undo_transaction(std::uint64_t record, bool cascade,
-                                                 const MapHead& head) {
-  const MapHead::Consequences gone = head.consequences_of(record);
+Result<std::vector<FactorEdit>> take_back(const std::set<std::uint64_t>& records, bool cascade,
+                                          const std::string& who, const MapHead& head) {
+  const MapHead::Consequences gone = head.consequences_of(records);
   if (gone.edited_by)
     return Error{ErrorCode::kNotUsable, "record " + std::to_string(*gone.edited_by) +
                                             " switches factors itself, which cannot be taken back "
                                             "with others; use cairn edge"};
   if (!gone.dependents.empty() && !cascade)
-    return Error{ErrorCode::kNotUsable,
-                 "later records use variables that record " + std::to_string(record) +
-                     " added, and would have been refused without it: " + list(gone.dependents) +
-                     "; --cascade undoes them, too"};
+    return Error{ErrorCode::kNotUsable, "later records use variables that " + who +
+                                            " added, and would have been refused without it: " +
+                                            list(gone.dependents) + "; --cascade undoes them, too"};
   std::vector<FactorEdit> edits;
   for (const std::size_t place : gone.factors)
-    edits.push_back({head.graph().factors[place].name, FactorChange::kDisable});
+    add_edits(head.graph().factors[place], FactorChange::kDisable, edits);
   return edits;
+}
+
+// The first of a source's records that arrived then, or later.
+Result<std::size_t> first_since(std::int64_t time_ns, std::span<const std::uint64_t> records,
+                                const Journal& journal) {
+  std::size_t first = 0, end = records.size();
+  while (first < end) {
+    const std::size_t middle = first + (end - first) / 2;
+    const Result<Record> record = journal.read(records[middle]);
+    if (!record) return record.error();
+    if (time_of(*record).value_or(0) < time_ns)
+      first = middle + 1;
+    else
+      end = middle;
+  }
+  return first;
+}
+
+Result<Order> order_revoke(const Question& question, const Journal& journal, const MapHead& head) {
+  if (auto known = question.check_options({"source", "since", "cascade", "operator", "reason"});
+      !known)
+    return known.error();
+  const std::string source = question.text("source"), since = question.text("since");
+  const auto number = whole_number(since);
+  const auto time_ns = from_utc(since);
+  if (!number && !time_ns)
+    return Error{ErrorCode::kUsage, "'" + since.substr(0, 60) +
+                                        "' is no time; expected a record's number, or a UTC time "
+                                        "as cairn log prints it: 2026-01-31T08:15:00.250Z"};
+  const std::span<const std::uint64_t> sent = head.records_of(source);
+  const Result<std::size_t> first =
+      number ? static_cast<std::size_t>(std::ranges::lower_bound(sent, *number) - sent.begin())
+             : first_since(*time_ns, sent, journal);
+  if (!first) return first.error();
+  if (*first == sent.size())
+    return Error{ErrorCode::kUsage,
+                 "nothing of source '" + source.substr(0, 64) + "' since " + since +
+                     " is in the map" +
+                     (sent.empty() ? "; cairn status lists sources"
+                                   : "; its last record is " + std::to_string(sent.back()))};
+  auto edits = take_back({sent.begin() + static_cast<std::ptrdiff_t>(*first), sent.end()},
+                         question.flag("cascade"), "source '" + source + "'", head);
+  if (!edits) return edits.error();
+  return Order{asked_by(question), std::move(*edits)};
 }
 
 Result<std::vector<FactorEdit>> undo_order(std::uint64_t number, const Order& order,
                                            const MapHead& head) {
+  using enum FactorChange;
+  constexpr std::array kOpposites{kEnable, kDisable, kRemove, kDoubt, kTrust};
   std::vector<FactorEdit> edits;
-  for (FactorEdit edit : order.edits) {
-    if (edit.change == FactorChange::kRemove)
+  for (auto edit = order.edits.rbegin(); edit != order.edits.rend(); ++edit) {
+    if (edit->change == kRemove)
       return Error{ErrorCode::kNotUsable, "record " + std::to_string(number) +
                                               " removed factors for good; disable keeps them"};
-    edit.change =
-        edit.change == FactorChange::kDisable ? FactorChange::kEnable : FactorChange::kDisable;
-    edits.push_back(std::move(edit));
+    edits.push_back({edit->factor, kOpposites[static_cast<std::size_t>(edit->change)]});
   }
   std::erase_if(edits, [&](const FactorEdit& edit) {
     const auto place = head.find(edit.factor);
@@ -206,7 +240,8 @@ Result<Order> order_undo(const Question& question, const Journal& journal, const
     if (*order) edits = undo_order(number, **order, head);
   } else if (const auto* sent = std::get_if<TransactionRecord>(&record->body)) {
     if (std::holds_alternative<Transaction>(sent->outcome))
-      edits = undo_transaction(number, question.flag("cascade"), head);
+      edits =
+          take_back({number}, question.flag("cascade"), "record " + std::to_string(number), head);
   }
   if (!edits) return edits.error();
   return Order{asked_by(question), std::move(*edits)};
@@ -243,7 +278,7 @@ std::optional<Order::Frozen> frozen_of(const Json& json) {
 }  // namespace
 
 bool is_order(const Question& question) {
-  for (const char* verb : {"undo", "freeze", "thaw", "thin"})
+  for (const char* verb : {"undo", "revoke", "freeze", "thaw", "thin"})
     if (question.verb == verb) return true;
   return question.verb.starts_with("edge ") && change_named(question.verb.substr(5));
 }
@@ -251,6 +286,7 @@ bool is_order(const Question& question) {
 Result<Order> make_order(const Question& question, const Journal& journal, const MapHead& head) {
   Result<Order> order = [&]() -> Result<Order> {
     if (question.verb == "undo") return order_undo(question, journal, head);
+    if (question.verb == "revoke") return order_revoke(question, journal, head);
     if (question.verb.starts_with("edge ")) return order_edges(question, head);
     if (question.verb == "thin") return order_thinned(question, head);
     return order_frozen(question, head);
@@ -307,8 +343,8 @@ std::string count_changes(const Order& order) {
   if (order.frozen)
     return order.frozen->after == 0 ? "all nodes may move again"
                                     : std::to_string(order.frozen->after) + " nodes frozen";
-  constexpr std::array kDone{" disabled", " enabled", " removed"};
-  std::array<std::size_t, 3> counts{};
+  constexpr std::array kDone{" disabled", " enabled", " removed", " trusted", " doubted"};
+  std::array<std::size_t, kDone.size()> counts{};
   for (const FactorEdit& edit : order.edits) ++counts[static_cast<std::size_t>(edit.change)];
   std::string text;
   for (std::size_t i = 0; i < counts.size(); ++i) {

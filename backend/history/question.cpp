@@ -18,6 +18,8 @@ constexpr std::array kVerbs{Verb{"log", answer_log},
                             Verb{"diff", answer_diff},
                             Verb{"edge show", answer_edge_show},
                             Verb{"edge worst", answer_edge_worst},
+                            Verb{"explain edge", answer_explain_edge},
+                            Verb{"explain node", answer_explain_node},
                             Verb{"export graph", answer_export_graph},
                             Verb{"export trajectory", answer_export_trajectory}};
 
@@ -80,9 +82,11 @@ Result<std::string> answer(const Question& question, const Asked& asked) {
     if (question.verb == verb.name) return verb.answer(question, asked);
     known += std::string(", ") + verb.name;
   }
-  return Error{ErrorCode::kUsage,
-               "unknown command '" + question.verb.substr(0, kQuoted) +
-                   "'; known: status, settle, backup, edge disable|enable|remove, undo" + known};
+  return Error{
+      ErrorCode::kUsage,
+      "unknown command '" + question.verb.substr(0, kQuoted) +
+          "'; known: status, settle, backup, edge disable|enable|remove|trust|doubt, undo, revoke" +
+          known};
 }
 
 Result<Record> find_record(const Journal& journal, std::uint64_t number) {

@@ -44,6 +44,8 @@ Result<std::string> answer_show(const Question& question, const Asked& asked);
 Result<std::string> answer_diff(const Question& question, const Asked& asked);
 Result<std::string> answer_edge_show(const Question& question, const Asked& asked);
 Result<std::string> answer_edge_worst(const Question& question, const Asked& asked);
+Result<std::string> answer_explain_edge(const Question& question, const Asked& asked);
+Result<std::string> answer_explain_node(const Question& question, const Asked& asked);
 
 /// A record that somebody asks for by its number. kUsage where there is none.
 Result<Record> find_record(const Journal& journal, std::uint64_t number);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "cairn/history/record_json.hpp"
 
+#include <cctype>
 #include <cstdio>
 #include <ctime>
 #include <map>
@@ -40,7 +41,7 @@ Json json_of(const NewFactor& factor) {
 }
 
 void add_edits(Json& json, const std::vector<FactorEdit>& edits) {
-  constexpr const char* kWords[] = {"disable", "enable", "remove"};
+  constexpr const char* kWords[] = {"disable", "enable", "remove", "trust", "doubt"};
   json["edits"] = Json::array();
   for (const FactorEdit& edit : edits)
     json["edits"].push_back(
@@ -54,6 +55,9 @@ std::string name_of(const Order& order) {
   std::string text = question->verb;
   if (const auto record = question->options.find("record"); record != question->options.end())
     text += ' ' + dump(*record, -1);
+  for (const char* option : {"source", "since"})
+    if (const std::string value = question->text(option); !value.empty())
+      text += std::string(" --") + option + ' ' + value;
   if (question->flag("cascade")) text += " --cascade";
   if (const auto factors = question->options.find("factors"); factors != question->options.end())
     for (const Json& factor : *factors)
@@ -162,8 +166,8 @@ std::string summary(const SolveRecord& record) {
 }  // namespace
 
 std::string_view to_string(FactorState state) {
-  constexpr std::string_view kWords[] = {"pending", "committed", "quarantined", "disabled",
-                                         "removed"};
+  constexpr std::string_view kWords[] = {"pending",  "committed", "quarantined",
+                                         "disabled", "removed",   "trusted"};
   return kWords[static_cast<int>(state)];
 }
 
@@ -187,6 +191,24 @@ std::string to_utc(std::int64_t time_ns) {
   std::strftime(date, sizeof date, "%Y-%m-%dT%H:%M:%S", &utc);
   std::snprintf(text, sizeof text, "%s.%03dZ", date, static_cast<int>(rest_ns / 1'000'000));
   return text;
+}
+
+std::optional<std::int64_t> from_utc(const std::string& text) {
+  constexpr std::size_t kSeconds = 19;  // bytes of the date and the time
+  std::tm utc{};
+  const char* rest = strptime(text.c_str(), "%Y-%m-%dT%H:%M:%S", &utc);
+  if (rest != text.c_str() + kSeconds) return std::nullopt;
+  if (utc.tm_year < 70 || utc.tm_year > 200) return std::nullopt;  // int64 ns end in 2262
+  const std::tm read = utc;
+  std::int64_t time_ns = std::int64_t{timegm(&utc)} * 1'000'000'000;
+  if (utc.tm_mday != read.tm_mday || utc.tm_sec != read.tm_sec) return std::nullopt;  // no such day
+  if (*rest == '.') {
+    std::int64_t unit_ns = 100'000'000;
+    for (++rest; std::isdigit(static_cast<unsigned char>(*rest)) != 0; ++rest, unit_ns /= 10)
+      time_ns += (*rest - '0') * unit_ns;
+  }
+  if (rest[0] != 'Z' || rest + 1 != text.c_str() + text.size()) return std::nullopt;
+  return time_ns;
 }
 
 std::string kind_of(const Record& record) {

@@ -26,5 +26,7 @@ std::string_view to_string(FactorKind kind);
 std::string to_string(const FactorName& factor);
 /// "2026-01-31T08:15:00.250Z"
 std::string to_utc(std::int64_t time_ns);
+/// The inverse, the fraction of any length; nothing where the text is no such time.
+std::optional<std::int64_t> from_utc(const std::string& text);
 
 }  // namespace cairn

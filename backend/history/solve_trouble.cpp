@@ -55,14 +55,13 @@ std::string describe(const UnsolvedPart& part, const MapHead& head, const Journa
   text += and_others(part.nodes.size());
   return text + "; the largest error is that of factor " +
          std::to_string(map.factors[part.worst_factor].name.index) + " in " +
-         name_record(head.record_of_factor(part.worst_factor), journal) +
-         ": cairn undo takes it back";
+         name_record(map.factors[part.worst_factor].record, journal) + ": cairn undo takes it back";
 }
 
 std::string describe(const LoopVerdict& verdict, const MapHead& head) {
   const PoseGraph& map = head.graph();
   const auto name = [&](std::uint32_t factor) {
-    return "record " + std::to_string(head.record_of_factor(factor)) + " (factor " +
+    return "record " + std::to_string(map.factors[factor].record) + " (factor " +
            std::to_string(map.factors[factor].name.index) + ')';
   };
   const std::vector<NodeIndex>& nodes = map.factors[verdict.factor].nodes;
@@ -81,7 +80,7 @@ std::string describe(const std::vector<FreeNode>& free, const MapHead& head,
   std::string text;
   for (std::size_t i = 0; i < std::min(free.size(), kNamed); ++i) {
     text += (i > 0 ? "; " : "") + to_string(head.graph().nodes[free[i].node].id) + " of " +
-            name_record(head.record_of_node(free[i].node), journal) + " is free in " +
+            name_record(head.graph().nodes[free[i].node].record, journal) + " is free in " +
             describe_directions(free[i].directions);
   }
   return text + and_others(free.size()) +

@@ -2,7 +2,7 @@
 #include "cairn/replay/map_head.hpp"
 
 #include <algorithm>
-#include <set>
+#include <ranges>
 
 #include "cairn/core/check.hpp"
 #include "cairn/factors/factor_codec.hpp"
@@ -15,6 +15,13 @@ constexpr std::size_t kMaxName = 64;
 
 FactorState first_state(FactorType type, FactorKind kind) {
   return is_gated(type, kind) ? FactorState::kPending : FactorState::kCommitted;
+}
+
+// How many came with records up to this one.
+template <class Stored>
+std::size_t count_until(const ChunkedVector<Stored>& all, std::uint64_t record) {
+  return *std::ranges::partition_point(std::views::iota(std::size_t{0}, all.size()),
+                                       [&](std::size_t i) { return all[i].record <= record; });
 }
 
 std::optional<Refusal> check_name(std::string_view what, const std::string& name) {
@@ -149,8 +156,8 @@ std::optional<std::uint32_t> MapHead::placing_factor(const NewVariable& variable
 
 // Where odometry leads to.
 std::optional<Estimate> MapHead::composed(NodeIndex node) const {
-  if (arrivals_[node].placed_by == kNone) return std::nullopt;
-  const StoredFactor& factor = graph_.factors[arrivals_[node].placed_by];
+  if (placed_by_[node] == kNone) return std::nullopt;
+  const StoredFactor& factor = graph_.factors[placed_by_[node]];
   const bool forward = factor.nodes[1] == node;
   return compose(graph_.estimates[factor.nodes[forward ? 0 : 1]], factor.type, factor.numbers,
                  forward);
@@ -168,29 +175,34 @@ void MapHead::apply(const Transaction& transaction, const Revision& revision) {
   for (const NewVariable& variable : transaction.variables) {
     const auto index = static_cast<NodeIndex>(graph_.nodes.size());
     const auto factor = placing_factor(variable, transaction);
-    arrivals_.push_back({revision.number, factor ? first_factor + *factor : kNone});
+    placed_by_.push_back(factor ? first_factor + *factor : kNone);
     graph_.estimates.push_back(to_estimate(variable.start));
-    graph_.nodes.push_back(
-        {variable.node, variable.type, variable.stamp_ns, variable.start, variable.odometry});
+    graph_.nodes.push_back({variable.node, revision.number, variable.type, variable.stamp_ns,
+                            variable.start, variable.odometry});
     index_of_node_.emplace(variable.node, index);
     source_of_robot_.emplace(variable.node.frame.robot, transaction.key.source);
   }
+  records_of_[transaction.key.source].push_back(revision.number);
   if (!transaction.factors.empty())
     first_factor_of_.emplace(transaction.key, graph_.factors.size());
   for (std::uint32_t i = 0; i < transaction.factors.size(); ++i) {
     const NewFactor& factor = transaction.factors[i];
-    StoredFactor stored{
-        {transaction.key, i}, factor.type, factor.kind, first_state(factor.type, factor.kind), {},
-        factor.numbers};
+    StoredFactor stored{{transaction.key, i},
+                        revision.number,
+                        factor.type,
+                        factor.kind,
+                        first_state(factor.type, factor.kind),
+                        {},
+                        factor.numbers};
     for (const NodeId& node : factor.nodes) stored.nodes.push_back(*find(node));
     if (const auto datum = datum_of(factor)) graph_.datum = datum;
     graph_.factors.push_back(std::move(stored));
-    record_of_factor_.push_back(revision.number);
   }
   compose_from(first_new);
   apply(transaction.edits, revision);
   for (const FactorEdit& edit : transaction.edits)
     switched_by_[*find(edit.factor)] = revision.number;
+  if (!transaction.edits.empty()) editing_.insert(revision.number);
 }
 
 void MapHead::apply(std::span<const FactorEdit> edits, const Revision& revision) {
@@ -207,6 +219,13 @@ void MapHead::apply(std::span<const FactorEdit> edits, const Revision& revision)
         break;
       case FactorChange::kRemove:
         set_state(place, FactorState::kRemoved);
+        break;
+      case FactorChange::kTrust:
+        if (is_enabled(factor.state)) set_state(place, FactorState::kTrusted);
+        break;
+      case FactorChange::kDoubt:
+        if (factor.state == FactorState::kTrusted)
+          set_state(place, first_state(factor.type, factor.kind));
         break;
     }
   }
@@ -226,19 +245,22 @@ void MapHead::note_switch(const Revision& revision) {
 
 void MapHead::judge(std::size_t factor, FactorState state, const Revision& revision) {
   pass_over(revision);
-  if (is_enabled(graph_.factors[factor].state)) set_state(factor, state);
+  const FactorState now = graph_.factors[factor].state;
+  if (is_enabled(now) && now != FactorState::kTrusted) set_state(factor, state);
 }
 
 void MapHead::set_state(std::size_t factor, FactorState state) {
   StoredFactor& stored = graph_.factors.edit(factor);
-  if (stored.state == FactorState::kQuarantined) --quarantined_;
-  if (state == FactorState::kQuarantined) ++quarantined_;
+  const std::string& source = stored.name.transaction.source;
+  if (stored.state == FactorState::kQuarantined && --quarantined_[source] == 0)
+    quarantined_.erase(source);
+  if (state == FactorState::kQuarantined) ++quarantined_[source];
   stored.state = state;
 }
 
 void MapHead::commit_loops(const Revision& base) {
   for (std::size_t place = 0; place < graph_.factors.size(); ++place) {
-    if (record_of_factor_[place] > base.number) return;
+    if (graph_.factors[place].record > base.number) return;
     if (graph_.factors[place].state == FactorState::kPending)
       set_state(place, FactorState::kCommitted);
   }
@@ -252,31 +274,33 @@ std::optional<std::size_t> MapHead::find(const FactorName& factor) const {
   return std::nullopt;
 }
 
-std::pair<std::size_t, std::size_t> MapHead::factors_of(std::uint64_t record) const {
-  const auto [first, last] =
-      std::equal_range(record_of_factor_.begin(), record_of_factor_.end(), record);
-  return {first - record_of_factor_.begin(), last - record_of_factor_.begin()};
+std::span<const std::uint64_t> MapHead::records_of(const std::string& source) const {
+  const auto found = records_of_.find(source);
+  return found == records_of_.end() ? std::span<const std::uint64_t>() : found->second;
 }
 
-MapHead::Consequences MapHead::consequences_of(std::uint64_t record) const {
+MapHead::Consequences MapHead::consequences_of(const std::set<std::uint64_t>& records) const {
   Consequences found;
-  std::set<std::uint64_t> gone{record};
-  for (std::size_t f = factors_of(record).first; f < graph_.factors.size(); ++f) {
-    const std::uint64_t own = record_of_factor_[f];
+  std::set<std::uint64_t> gone = records;
+  const std::size_t first =
+      records.empty() ? graph_.factors.size() : count_until(graph_.factors, *records.begin() - 1);
+  for (std::size_t f = first; f < graph_.factors.size(); ++f) {
+    const std::uint64_t own = graph_.factors[f].record;
     const auto& nodes = graph_.factors[f].nodes;
     const bool depends = std::any_of(nodes.begin(), nodes.end(), [&](NodeIndex node) {
-      return gone.contains(arrivals_[node].number);
+      return gone.contains(graph_.nodes[node].record);
     });
     if (depends) gone.insert(own);
   }
-  for (std::size_t f = factors_of(record).first; f < graph_.factors.size(); ++f) {
-    if (gone.contains(record_of_factor_[f]) && is_enabled(graph_.factors[f].state))
+  for (std::size_t f = first; f < graph_.factors.size(); ++f) {
+    if (gone.contains(graph_.factors[f].record) && is_enabled(graph_.factors[f].state))
       found.factors.push_back(f);
   }
   for (const auto& [place, by] : switched_by_)
-    if (gone.contains(record_of_factor_[place]) || gone.contains(by)) found.edited_by = by;
-  gone.erase(record);
-  found.dependents.assign(gone.begin(), gone.end());
+    if (gone.contains(graph_.factors[place].record)) found.edited_by = by;
+  for (const std::uint64_t record : gone)
+    if (editing_.contains(record)) found.edited_by = record;
+  std::ranges::set_difference(gone, records, std::back_inserter(found.dependents));
   return found;
 }
 
@@ -286,17 +310,12 @@ void MapHead::apply_estimates(std::span<const std::pair<NodeIndex, Estimate>> ch
     if (node >= graph_.frozen_nodes) graph_.estimates.edit(node) = estimate;
   take_as_solved(base);
   pass_over(revision);
-  const auto first_since =
-      std::partition_point(arrivals_.begin(), arrivals_.end(),
-                           [&](const Arrival& arrival) { return arrival.number <= base.number; });
-  compose_from(static_cast<NodeIndex>(first_since - arrivals_.begin()));
+  compose_from(static_cast<NodeIndex>(count_until(graph_.nodes, base.number)));
 }
 
 void MapHead::take_as_solved(const Revision& base) {
   graph_.solved_revision = base;
-  const auto first =
-      std::upper_bound(record_of_factor_.begin(), record_of_factor_.end(), base.number);
-  graph_.first_unsolved_factor = static_cast<std::size_t>(first - record_of_factor_.begin());
+  graph_.first_unsolved_factor = count_until(graph_.factors, base.number);
   graph_.switched_since_solve = last_switch_ > base.number;
 }
 

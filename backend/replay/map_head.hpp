@@ -3,6 +3,7 @@
 
 #include <map>
 #include <optional>
+#include <set>
 #include <span>
 #include <string>
 #include <unordered_map>
@@ -38,7 +39,8 @@ class MapHead {
   void freeze(NodeIndex nodes, const Revision& revision);
   /// The number that the last solve had.
   void set_loops_that_merge(std::size_t loops) { graph_.loops_that_merge = loops; }
-  /// The gate's word on a loop closure; nothing happens to one that somebody has switched off.
+  /// The gate's word on a loop closure; nothing happens to one that somebody has switched off, or
+  /// trusts.
   void judge(std::size_t factor, FactorState state, const Revision& revision);
   /// Everything that was pending at the base of a solve that asked no gate.
   void commit_loops(const Revision& base);
@@ -46,8 +48,10 @@ class MapHead {
   void advance(const Revision& revision);
   /// Any other that changes nothing.
   void pass_over(const Revision& revision) { graph_.graph_revision = revision; }
-  /// How many loop closures the gate has quarantined.
-  [[nodiscard]] std::size_t quarantined() const { return quarantined_; }
+  /// How many loop closures the gate has quarantined, by source; of the others there are none.
+  [[nodiscard]] const std::map<std::string, std::size_t>& quarantined() const {
+    return quarantined_;
+  }
   /// The last record that was no solve and no verdict.
   [[nodiscard]] std::uint64_t last_input() const { return last_input_; }
   /// Puts estimates in place of all, as a snapshot of them says; one for each node.
@@ -57,26 +61,18 @@ class MapHead {
   [[nodiscard]] std::optional<NodeIndex> find(const NodeId& node) const;
   /// Its place in graph().factors.
   [[nodiscard]] std::optional<std::size_t> find(const FactorName& factor) const;
-  /// Places in graph().factors of those that came with a record: from, and behind the last.
-  [[nodiscard]] std::pair<std::size_t, std::size_t> factors_of(std::uint64_t record) const;
+  /// Those with what a source sent and was accepted; ascending.
+  [[nodiscard]] std::span<const std::uint64_t> records_of(const std::string& source) const;
 
-  /// Numbers of the records that brought them.
-  [[nodiscard]] std::uint64_t record_of_node(NodeIndex node) const {
-    return arrivals_[node].number;
-  }
-  [[nodiscard]] std::uint64_t record_of_factor(std::size_t place) const {
-    return record_of_factor_[place];
-  }
-
-  /// What would not be in the map had a record never come.
+  /// What would not be in the map had some records never come.
   struct Consequences {
-    /// Later records that use nodes of it, directly or through each other; ascending.
+    /// Other records that use nodes of them, directly or through each other; ascending.
     std::vector<std::uint64_t> dependents;
-    std::vector<std::size_t> factors;  ///< places of the committed factors of it and of those
+    std::vector<std::size_t> factors;  ///< places of the enabled factors of them and of those
     /// A record among them that switches factors itself, or one that switches theirs.
     std::optional<std::uint64_t> edited_by;
   };
-  [[nodiscard]] Consequences consequences_of(std::uint64_t record) const;
+  [[nodiscard]] Consequences consequences_of(const std::set<std::uint64_t>& records) const;
 
  private:
   [[nodiscard]] std::optional<Refusal> check_variables(const Transaction& transaction) const;
@@ -93,22 +89,19 @@ class MapHead {
   void set_state(std::size_t factor, FactorState state);
   [[nodiscard]] bool is_own(const NodeId& node, const Transaction& transaction) const;
 
-  // How a node came to be where it is until a solve has seen it.
-  struct Arrival {
-    std::uint64_t number;  ///< of its record
-    std::uint32_t
-        placed_by;  ///< place in graph_.factors of the odometry that leads to it; or kNone
-  };
   static constexpr std::uint32_t kNone = ~std::uint32_t{0};
 
   PoseGraph graph_;
-  std::vector<Arrival> arrivals_;                ///< by node
-  std::vector<std::uint64_t> record_of_factor_;  ///< by place in graph_.factors; ascending
+  /// By node, the place in graph_.factors of the odometry that leads to it; or kNone. There it is
+  /// until a solve has seen it.
+  std::vector<std::uint32_t> placed_by_;
   std::uint64_t last_input_ = 0;
-  std::size_t quarantined_ = 0;
+  std::map<std::string, std::size_t> quarantined_;                ///< by source
+  std::map<std::string, std::vector<std::uint64_t>> records_of_;  ///< by source
   std::uint64_t last_switch_ = 0;  ///< the last record that switched factors, or froze nodes
   /// By place of a factor, the last record of a transaction that switched it.
   std::map<std::size_t, std::uint64_t> switched_by_;
+  std::set<std::uint64_t> editing_;  ///< records of transactions that switched factors
   std::unordered_map<NodeId, NodeIndex> index_of_node_;
   std::map<TransactionKey, std::size_t> first_factor_of_;  ///< place in graph_.factors
   std::map<std::string, std::string> source_of_robot_;     ///< who first added a node of it

@@ -77,9 +77,8 @@ std::optional<SettledEstimate> try_newcomers(const PoseGraph& map, const SettleO
     return map.factors[f].state == FactorState::kPending && f >= map.first_unsolved_factor;
   };
   SettledEstimate settled;
-  settled.order = CanonicalOrder(map, [&](std::uint32_t f) {
-    return map.factors[f].state == FactorState::kCommitted || is_new(f);
-  });
+  settled.order = CanonicalOrder(
+      map, [&](std::uint32_t f) { return takes_part(map.factors[f].state) || is_new(f); });
   settled.graph = canonical_graph(map, settled.order);
   std::vector<bool> is_old;
   std::vector<std::size_t> newcomers;

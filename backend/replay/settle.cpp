@@ -140,7 +140,8 @@ void take_verdicts(const PoseGraph& map, const GatedSolution& solution, SettledE
   for (std::size_t i = 0; i < places.size(); ++i) {
     if (!kept[i]) continue;
     settled.order.factors.push_back(places[i]);
-    if (!is_gated(map.factors[places[i]].type, map.factors[places[i]].kind)) continue;
+    const StoredFactor& stored = map.factors[places[i]];
+    if (stored.state == FactorState::kTrusted || !is_gated(stored.type, stored.kind)) continue;
     const auto [batch, index] = settled.graph.factors()[i];
     double chi2 = 0.0;
     settled.graph.batches()[batch]->evaluate_chi2(index, index + 1, {settled.graph.values()},
@@ -185,7 +186,8 @@ Graph canonical_graph(const PoseGraph& map, const CanonicalOrder& order) {
     for (const NodeIndex node : stored.nodes) ids.push_back({place_of_node[node]});
     NewFactor factor;
     factor.type = stored.type;
-    factor.kind = stored.kind;
+    // What is trusted is no loop for the gate: a measurement like any other.
+    factor.kind = stored.state == FactorState::kTrusted ? FactorKind::kOther : stored.kind;
     factor.numbers = stored.numbers;
     const bool added = add_factor(graph, factor, ids).ok();
     CAIRN_CHECK(added, "a factor of the map that a graph refuses");

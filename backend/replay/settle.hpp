@@ -37,7 +37,8 @@ struct LoopVerdict {
 };
 
 /// The enabled part of a map as a graph whose variable ids are places in the canonical order, at
-/// the start values that were sent. Frozen nodes are fixed at their estimates.
+/// the start values that were sent. Frozen nodes are fixed at their estimates;
+/// trusted loop closures are FactorKind::kOther there.
 Graph canonical_graph(const PoseGraph& map, const CanonicalOrder& order);
 
 /// The settled estimate: a function of the set of nodes and enabled factors, and of the estimates
@@ -46,7 +47,7 @@ struct SettledEstimate {
   CanonicalOrder order;                 ///< without the factors that the gate has left out
   Graph graph;                          ///< as canonical_graph(), optimized
   SolveSummary summary;                 ///< not usable: take nothing from the rest
-  std::vector<LoopVerdict> verdicts{};  ///< of every loop closure between poses that is enabled
+  std::vector<LoopVerdict> verdicts{};  ///< of every loop closure that the gate decides about
 };
 
 /// Which loop closures an estimate is to have in it.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// edge, undo, freeze and thaw: what operators change by hand.
+// edge, undo, revoke, freeze and thaw: what operators change by hand.
 #include "cairn/history/order.hpp"
 
 #include <unistd.h>
@@ -23,7 +23,7 @@ struct OrderArguments {
   Target target;
   std::vector<std::string> factors;
   std::uint64_t record = 0, limit = 10;
-  std::string operator_name, reason;
+  std::string source, since, operator_name, reason;
   bool cascade = false, json = false, quiet = false;
 };
 
@@ -84,7 +84,9 @@ Run add_edge(CLI::App& parent, CLI::App*& verb) {
   verb->footer(std::string("A factor is RECORD:PLACE (12:0), or RECORD for all of a record's; "
                            "`cairn log` lists records.\n"
                            "What was switched off takes no part in estimates; what was removed "
-                           "never comes back.\n") +
+                           "never comes back.\n"
+                           "The gate decides which loop closures are in; one that is trusted is in "
+                           "whatever it says,\nuntil it is doubted.\n") +
                kOrderCodes);
   verb->require_subcommand(1);
   CLI::App* show = verb->add_subcommand("show", "The factors of a record, as they stand now");
@@ -99,7 +101,9 @@ Run add_edge(CLI::App& parent, CLI::App*& verb) {
   const std::pair<const char*, const char*> changes[] = {
       {"disable", "Leave these factors out of estimates"},
       {"enable", "Take these factors into estimates again"},
-      {"remove", "Leave these factors out of estimates for ever"}};
+      {"remove", "Leave these factors out of estimates for ever"},
+      {"trust", "Have these loop closures in estimates, whatever the gate says"},
+      {"doubt", "Leave it to the gate again whether these loop closures are in"}};
   for (const auto& [change, meaning] : changes) {
     CLI::App* sub = verb->add_subcommand(change, meaning);
     sub->add_option("FACTOR", a->factors, "RECORD:PLACE or RECORD")->required()->default_str("");
@@ -149,6 +153,32 @@ Run add_thaw(CLI::App& parent, CLI::App*& verb) {
   verb->footer(kOrderCodes);
   add_who_and_why(*verb, *a);
   return [a] { return give(*a, {"thaw", {}}); };
+}
+
+Run add_revoke(CLI::App& parent, CLI::App*& verb) {
+  auto a = std::make_shared<OrderArguments>();
+  verb = parent.add_subcommand("revoke", "Take back everything that a source has sent since then");
+  verb->footer(std::string("The map is as if nothing of that source had come since; what it sends "
+                           "from now on is taken.\n"
+                           "`cairn undo` of the revocation brings it back. Times are those of the "
+                           "daemon's clock: where\n"
+                           "that was set back, name a record.\n") +
+               kOrderCodes);
+  verb->add_option("--source", a->source, "its name; `cairn status` lists them")
+      ->required()
+      ->type_name("S")
+      ->default_str("");
+  verb->add_option("--since", a->since,
+                   "a record's number, or a UTC time as `cairn log` prints it; with what came then")
+      ->required()
+      ->type_name("T")
+      ->default_str("");
+  verb->add_flag("--cascade", a->cascade, "also what other sources have built on it");
+  add_who_and_why(*verb, *a);
+  return [a] {
+    return give(*a,
+                {"revoke", {{"source", a->source}, {"since", a->since}, {"cascade", a->cascade}}});
+  };
 }
 
 }  // namespace cairn::cli

@@ -12,6 +12,7 @@ PoseGraph map_of(const std::vector<int>& order) {
   PoseGraph map;
   for (const int i : order) {
     map.nodes.push_back({{{"robot", 1}, static_cast<std::uint64_t>(i)},
+                         7,
                          VariableType::kPose2,
                          i,
                          {1.0 * i, 2.0, 0.1},
@@ -19,6 +20,7 @@ PoseGraph map_of(const std::vector<int>& order) {
     map.estimates.push_back({1.5 * i, 2.5, 0.2});
   }
   map.factors.push_back({{{"laser", 5, 1}, 0},
+                         7,
                          FactorType{1},
                          FactorKind::kLoop,
                          FactorState::kCommitted,

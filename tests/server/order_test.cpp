@@ -4,97 +4,22 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <span>
-
-#include "cairn/factors/factor_codec.hpp"
-#include "cairn/replay/settle.hpp"
-#include "tests/server/drive.hpp"
-#include "tests/support/temporary_folder.hpp"
+#include "tests/server/ordered_map.hpp"
 
 namespace cairn {
 namespace {
 
+using test::Json;
 using testing::HasSubstr;
-using Json = nlohmann::ordered_json;
-
-// A journal and the map that it leads to.
-class Map {
- public:
-  std::uint64_t take(Transaction transaction) {
-    transaction.key = {"laser", 7, ++sequence_};
-    EXPECT_FALSE(head_.check(transaction)) << head_.check(transaction)->reason;
-    const auto revision = append(TransactionRecord{transaction, {}, 0});
-    head_.apply(transaction, revision);
-    return revision.number;
-  }
-  std::uint64_t take_all(const std::vector<Transaction>& transactions) {
-    std::uint64_t last = 0;
-    for (const Transaction& transaction : transactions) last = take(transaction);
-    return last;
-  }
-  Result<Order> ask(const std::string& verb, Json options) {
-    return make_order({verb, std::move(options)}, *journal_, head_);
-  }
-  /// The record of the order; 0 where it is refused.
-  std::uint64_t give(const std::string& verb, Json options) {
-    options["operator"] = "anna";
-    options["reason"] = "it was a mirror => really {\"edits\":[]}";
-    const Question question{verb, std::move(options)};
-    const auto order = make_order(question, *journal_, head_);
-    EXPECT_TRUE(order) << order.error().to_string();
-    if (!order) return 0;
-    const auto revision = append(to_record(*order, question, 5));
-    apply(*order, revision, head_);
-    return revision.number;
-  }
-  std::uint64_t undo(std::uint64_t record, bool cascade = false) {
-    return give("undo", {{"record", record}, {"cascade", cascade}});
-  }
-  [[nodiscard]] FactorState state(std::size_t place) const {
-    return head_.graph().factors[place].state;
-  }
-  [[nodiscard]] std::vector<double> settled() const { return settled(head_.graph()); }
-  /// The same from the journal alone.
-  [[nodiscard]] std::vector<double> settled_after_restart() const {
-    const auto maps = maps_at(*journal_, {journal_->head().revision.number});
-    EXPECT_TRUE(maps) << maps.error().to_string();
-    return settled(maps->front());
-  }
-  [[nodiscard]] const Journal& journal() const { return *journal_; }
-
- private:
-  Revision append(RecordBody body) { return *journal_->append({&body, 1}); }
-  static std::vector<double> settled(const PoseGraph& map) {
-    const SettledEstimate estimate = settle(map);
-    EXPECT_TRUE(estimate.summary.usable());
-    std::vector<double> all{estimate.summary.final_chi2};
-    for (std::uint32_t place = 0; place < estimate.order.nodes.size(); ++place)
-      for (const double number : describe_value(estimate.graph, place)) all.push_back(number);
-    return all;
-  }
-
-  test::TemporaryFolder folder_;
-  std::unique_ptr<Journal> journal_ = *Journal::open(folder_.file("data"));
-  MapHead head_;
-  std::uint64_t sequence_ = 0;
-};
-
-// So uncertain that no gate minds.
-Transaction false_loop(std::uint64_t a, std::uint64_t b) {
-  Transaction transaction = test::false_loop(a, b);
-  const std::span<double> information = std::span(transaction.factors[0].numbers).subspan(3);
-  for (double& number : information) number *= 1e-4;
-  return transaction;
-}
 
 TEST(Undo, LeavesTheMapAsIfTheTransactionHadNeverCome) {
   std::vector<Transaction> steps = test::drive(1030);
   const std::vector<Transaction> later(steps.begin() + 30, steps.end());
   steps.resize(30);
-  Map clean, spoiled;
+  test::OrderedMap clean, spoiled;
   clean.take_all(steps);
   spoiled.take_all(steps);
-  const std::uint64_t mirror = spoiled.take(false_loop(2, 25));
+  const std::uint64_t mirror = spoiled.take(test::uncertain_false_loop(2, 25));
   clean.take_all(later);
   spoiled.take_all(later);
   const std::vector<double> with_it = spoiled.settled();
@@ -112,7 +37,7 @@ TEST(Undo, LeavesTheMapAsIfTheTransactionHadNeverCome) {
 
 TEST(Undo, OfWhatOthersHaveBuiltOnTakesThemAlongOrIsRefused) {
   const std::vector<Transaction> steps = test::drive(40);
-  Map map, until, kept;
+  test::OrderedMap map, until, kept;
   map.take_all(steps);
   const auto refused = map.ask("undo", {{"record", 21u}});
   ASSERT_FALSE(refused);
@@ -141,7 +66,7 @@ TEST(Undo, OfWhatOthersHaveBuiltOnTakesThemAlongOrIsRefused) {
 }
 
 TEST(Undo, RefusesWhatCannotBeTakenBack) {
-  Map map;
+  test::OrderedMap map;
   map.take_all(test::drive(10));
   Transaction edits;
   edits.edits.push_back({{{"laser", 7, 9}, 0}, FactorChange::kDisable});
@@ -161,7 +86,7 @@ TEST(Undo, RefusesWhatCannotBeTakenBack) {
 }
 
 TEST(Edge, SwitchesFactorsByRecordAndPlace) {
-  Map map;
+  test::OrderedMap map;
   map.take_all(test::drive(10));  // records 8 to 10 bring two factors each
   const std::vector<double> before = map.settled();
   const auto order = map.ask("edge disable", {{"factors", {"9", "10:1", "10:1"}}});
@@ -181,7 +106,7 @@ TEST(Edge, SwitchesFactorsByRecordAndPlace) {
 }
 
 TEST(Edge, SaysWhichNamesItDoesNotKnow) {
-  Map map;
+  test::OrderedMap map;
   map.take_all(test::drive(10));
   const std::vector<std::pair<Json, std::string>> cases{
       {{"1"}, "there is no factor 1: record 1 has 0 factors in the map"},
