@@ -51,6 +51,11 @@ class PayloadStore {
   void expect(const Spool& spool, const ContentHash& hash);
   /// What waits of this spool is not stored, and no answer to it is kept. From any thread.
   void forget(const Spool& spool);
+  /// What waits to be stored: how many, and their bytes. From any thread.
+  [[nodiscard]] std::pair<std::size_t, std::size_t> waiting() const {
+    const std::lock_guard lock(mutex_);
+    return {queue_.size(), queued_bytes_};
+  }
   /// From any thread.
   void answer(const Payload& payload, PayloadAnswer answer, std::string reason = {});
 
@@ -74,7 +79,7 @@ class PayloadStore {
   Tell tell_;
   Clock::time_point collect_at_{};  ///< of the thread; first at its start
 
-  std::mutex mutex_;  // guards what follows
+  mutable std::mutex mutex_;  // guards what follows
   std::condition_variable changed_;
   std::deque<Payload> queue_;
   std::size_t queued_bytes_ = 0;

@@ -38,12 +38,20 @@ Result<void> restore(const TakenSnapshot& snapshot, MapHead& head) {
   return {};
 }
 
+void remember(const VerdictRecord& verdict, std::map<FactorName, VerdictRecord>& quarantined) {
+  if (verdict.state == FactorState::kQuarantined)
+    quarantined.insert_or_assign(verdict.factor, verdict);
+  else
+    quarantined.erase(verdict.factor);
+}
+
 }  // namespace
 
 Result<Replayed> replay_journal(const Journal& journal, MapHead& head, Sequencer& sequencer,
                                 const std::function<void()>& on_record) {
   const JournalHead end = journal.head();
   const std::optional<TakenSnapshot> snapshot = take_snapshot(journal);
+  Replayed result;
   const Result<void> replayed = journal.for_each(1, [&](const Record& record) -> Result<void> {
     if (on_record) on_record();
     const Revision revision{end.revision.store, record.era, record.number};
@@ -53,12 +61,14 @@ Result<Replayed> replay_journal(const Journal& journal, MapHead& head, Sequencer
     if (!applied) return applied;
     if (const auto* transaction = std::get_if<TransactionRecord>(&record.body))
       remember(*transaction, revision, sequencer);
+    if (const auto* verdict = std::get_if<VerdictRecord>(&record.body))
+      remember(*verdict, result.quarantined);
     if (!snapshot || record.number != snapshot->number) return {};
     return restore(*snapshot, head);
   });
   if (!replayed) return replayed.error();
-  if (!snapshot) return Replayed{};
-  Replayed result{.snapshot = snapshot->number};
+  if (!snapshot) return result;
+  result.snapshot = snapshot->number;
   if (snapshot->number == end.revision.number) result.chi2 = snapshot->content.chi2;
   return result;
 }

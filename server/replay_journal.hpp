@@ -2,6 +2,7 @@
 #pragma once
 
 #include <functional>
+#include <map>
 #include <optional>
 
 #include "cairn/journal/journal.hpp"
@@ -13,6 +14,7 @@ namespace cairn {
 /// What a start knows besides head and sequencer.
 struct Replayed {
   std::uint64_t snapshot = 0;  ///< the record after which the snapshot was taken; 0: there was none
+  std::map<FactorName, VerdictRecord> quarantined{};  ///< why, of those that are
   std::optional<double> chi2{};  ///< of the estimates, where no record came after the snapshot
 };
 

@@ -80,6 +80,8 @@ Result<void> Service::rebuild() {
   for (std::uint32_t place = 0; place < head_.graph().factors.size(); ++place)
     if (head_.graph().factors[place].state == FactorState::kQuarantined)
       told_verdicts_.insert(place);
+  quarantined_ = replayed->quarantined;
+  closures_.clear();
   snapshot_at_ = replayed->snapshot;
   return {};
 }
@@ -135,6 +137,7 @@ void Service::run() {
 
 // Everything that came while the disk was busy shares one sync.
 void Service::handle(std::deque<Message> messages) {
+  decided_.clear();
   Sequencer::Outcome outcome;
   std::vector<std::unique_ptr<Solved>> solutions;
   std::optional<Thinned> thinned;
@@ -194,6 +197,7 @@ void Service::take(Arrived arrived, Sequencer::Outcome& outcome) {
     return;
   }
   sequencer_.take(std::move(arrived.arrival), turn(outcome));
+  decided_.resize(outcome.decisions.size(), arrived.at);
   last_input_ = std::chrono::steady_clock::now();
 }
 
@@ -208,6 +212,8 @@ void Service::commit(Sequencer::Outcome outcome) {
       ++revision.number;
       receipts.push_back({decision.transaction.key, revision, decision.refusal, decision.reason});
       note_news(decision.transaction, revision.number);
+      if (news_at_ == revision.number && receipts.size() <= decided_.size())
+        closures_.emplace_back(revision.number, decided_[receipts.size() - 1]);
       for (const NewFactor& factor : decision.transaction.factors)
         for (const ContentHash& hash : factor.payloads)
           named.emplace_back(decision.transaction.key, hash);
@@ -227,6 +233,7 @@ void Service::commit(Sequencer::Outcome outcome) {
       return;
     }
     transport_.publish_receipts(receipts);
+    note_answered(receipts.size());
     for (const Receipt& receipt : receipts) {
       changed_spools_.emplace(receipt.key.source, receipt.key.epoch);
       refill_.decided(receipt.key, Refill::Clock::now());

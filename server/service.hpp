@@ -16,10 +16,12 @@
 #include <variant>
 
 #include "cairn/history/solve_record.hpp"
+#include "cairn/history/source_trust.hpp"
 #include "cairn/journal/journal.hpp"
 #include "cairn/replay/thinning.hpp"
 #include "server/commands.hpp"
 #include "server/estimate_publisher.hpp"
+#include "server/latency_window.hpp"
 #include "server/payload_store.hpp"
 #include "server/refill.hpp"
 #include "server/sequencer.hpp"
@@ -99,6 +101,7 @@ class Service final : private TransportListener {
   struct Arrived {
     Arrival arrival;
     Sender sender;
+    std::chrono::steady_clock::time_point at{};
   };
   struct Seen {
     ClientState client;
@@ -186,6 +189,11 @@ class Service final : private TransportListener {
   void pass(ServicePoint point) const;
   void publish_state();
   [[nodiscard]] Status make_status() const;
+  [[nodiscard]] nlohmann::ordered_json status_json() const;
+  void note_answered(std::size_t decisions);
+  void note_solved_closures(std::uint64_t base);
+  [[nodiscard]] bool trust_is_due(bool idle) const;
+  void measure_trust_beside();
   Result<void> rebuild();
   void fall_back(const Error& error);
   void fail(Error error);
@@ -222,11 +230,13 @@ class Service final : private TransportListener {
   std::uint64_t thinned_at_ = 0;   ///< the last input of the map in which nothing is redundant
   bool settle_next_ = false;       ///< a live solve was too much work
   EliminationCache eliminations_;  ///< of the solver: one solve runs at a time
-  std::uint64_t unsolvable_ = 0;   ///< the last input of the map of which the last solve failed
+  SolveKind solving_kind_ = SolveKind::kSettled;  ///< of the running solve
+  std::uint64_t unsolvable_ = 0;  ///< the last input of the map of which the last solve failed
   std::set<std::uint32_t> told_verdicts_;  ///< loop closures of which was told that they are out
-  std::set<NodeIndex> free_;               ///< nodes of which was told that they are free
-  std::set<std::uint32_t> broken_;         ///< factors of which was told that they cannot be solved
-  std::uint64_t snapshot_at_ = 0;          ///< the record that the newest snapshot is after
+  std::map<FactorName, VerdictRecord> quarantined_;  ///< why; also of some that were disabled since
+  std::set<NodeIndex> free_;                         ///< nodes of which was told that they are free
+  std::set<std::uint32_t> broken_;  ///< factors of which was told that they cannot be solved
+  std::uint64_t snapshot_at_ = 0;   ///< the record that the newest snapshot is after
   PayloadStore payloads_{
       journal_, transport_, options_.payloads,
       [this](Severity severity, const std::string& text) { announce(severity, "payloads", text); }};
@@ -235,6 +245,13 @@ class Service final : private TransportListener {
   std::set<Writers::Spool> changed_spools_;  ///< their state is to be published
   bool state_changed_ = true;
   std::chrono::steady_clock::time_point state_published_{};
+  std::vector<std::chrono::steady_clock::time_point>
+      decided_;  ///< when what this turn decided came
+  LatencyWindow receipt_latency_, closure_latency_;
+  /// Records that a solve is to follow at once, and when they came.
+  std::deque<std::pair<std::uint64_t, std::chrono::steady_clock::time_point>> closures_;
+  std::uint64_t trust_at_ = 0;  ///< the solve of which it was measured
+  std::chrono::steady_clock::time_point trust_began_{};
 
   mutable std::mutex mutex_;  // guards what follows
   std::condition_variable wake_;
@@ -244,6 +261,7 @@ class Service final : private TransportListener {
   std::uint64_t troubles_untold_ = 0;
   bool stopping_ = false;
   std::optional<Error> failure_;
+  std::vector<SourceTrust> trust_;
 
   std::atomic<std::uint64_t> events_{0};
   std::atomic<bool> abandon_solve_{false};

@@ -75,7 +75,7 @@ void Service::post(Arrival arrival, const Sender& sender) {
                         .refusal = RefusalCode::kOverBudget,
                         .reason = kBehind};
   const std::size_t bytes = arrival.bytes;
-  if (admit(Arrived{std::move(arrival), sender}, bytes)) return;
+  if (admit(Arrived{std::move(arrival), sender, std::chrono::steady_clock::now()}, bytes)) return;
   transport_.publish_receipts({refusal});
   answered_unread({refusal.key.source, refusal.key.epoch});
 }

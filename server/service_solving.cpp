@@ -54,6 +54,8 @@ void Service::solve_when_due() {
     start_solve(SolveKind::kSettled);
   else if (awaits_live_solve() && now >= solve_began_ + options_.solve_every)
     start_solve(SolveKind::kLive);
+  else if (trust_is_due(idle))
+    measure_trust_beside();
   else if (idle)
     write_snapshot_when_due();
   if (idle && !solver_works_ && !solving_) thin_when_due();
@@ -69,6 +71,7 @@ void Service::refuse_to_solve() {
 void Service::start_solve(SolveKind kind) {
   const bool gives_way = kind == SolveKind::kSettled && !settle_next_;
   solving_ = true;
+  solving_kind_ = kind;
   give_way_ = false;
   solving_from_ = head_.graph().graph_revision.number;
   solve_began_ = std::chrono::steady_clock::now();
@@ -137,6 +140,7 @@ void Service::take_solution(const Solved& solved) {
       return;
     chi2_ = solution.chi2;
     publish_estimate();
+    note_solved_closures(solved.base.number);
     state_changed_ = true;
   }
   settled_ = whole.usable() && solved.method.kind == SolveKind::kSettled;
@@ -186,6 +190,11 @@ bool Service::commit_solution(const Solved& solved) {
     fall_back(appended.error());
     return false;
   }
+  for (VerdictRecord& verdict : verdict_records(head_.graph(), solved.solution))
+    if (FactorName name = verdict.factor; verdict.state == FactorState::kQuarantined)
+      quarantined_.insert_or_assign(std::move(name), std::move(verdict));
+    else
+      quarantined_.erase(name);
   for (const LoopVerdict& verdict : solved.solution.verdicts) tell_verdict(verdict);
   return true;
 }

@@ -1,14 +1,18 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <algorithm>
+#include <unistd.h>
+
 #include <cstdio>
 #include <filesystem>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
+#include <thread>
 
 #include "cairn/core/exit_code.hpp"
 #include "cairn/history/record_json.hpp"
+#include "clients/cli/interrupt.hpp"
+#include "clients/cli/status_text.hpp"
 #include "clients/cli/target.hpp"
 #include "clients/cli/verb.hpp"
 #include "server/replay_journal.hpp"
@@ -22,6 +26,7 @@ using Json = nlohmann::ordered_json;
 struct StatusArguments {
   Target target;
   bool json = false;
+  std::optional<double> every_s;  ///< watch
 };
 
 constexpr const char* kStatusFooter =
@@ -29,7 +34,19 @@ constexpr const char* kStatusFooter =
     "sequence of which\n"
     "everything is decided, how many transactions were accepted and refused (since the daemon "
     "started; with\n"
-    "--data since ever), how many wait, its clock minus the daemon's, and the last refusal.\n"
+    "--data since ever), how many wait, how many of its loops are quarantined, its clock minus the "
+    "daemon's, and the\n"
+    "last refusal. Latencies are of the last minute, in bins nine percent wide: from a "
+    "transaction's arrival to its\n"
+    "receipt, and from that of a loop closure to the poses solved with it.\n"
+    "Trust: the errors of what a source sends, seen from everything else, in sigmas that it "
+    "states; the median of\n"
+    "all its odometry, or loops, of one robot. 3.1x over-confident: they are 3.1 times as large as "
+    "stated. Measured\n"
+    "when the map is settled, and every ten seconds.\n"
+    "With --watch, drawn again in place on a terminal, else one after the other; with --json one "
+    "object per line.\n"
+    "Ctrl-C ends it.\n"
     "Exit codes: 0 done, 2 usage, 3 damaged, 5 no daemon answers.";
 
 Result<Json> status_of_folder(const std::string& folder) {
@@ -37,8 +54,8 @@ Result<Json> status_of_folder(const std::string& folder) {
   if (!journal) return journal.error();
   MapHead head;
   Sequencer sequencer;
-  if (const auto replayed = replay_journal(**journal, head, sequencer); !replayed)
-    return replayed.error();
+  const auto replayed = replay_journal(**journal, head, sequencer);
+  if (!replayed) return replayed.error();
   Status status;
   status.head = (*journal)->head().revision;
   status.estimate = {head.graph().graph_revision, head.graph().solved_revision};
@@ -69,101 +86,70 @@ Result<Json> status_of_folder(const std::string& folder) {
     return {};
   });
   if (!counted) return counted.error();
-  return to_json(status, true);
+  Json json = to_json(status, true);
+  add_judgement(json, head, replayed->quarantined, measure_trust(head.graph()));
+  return json;
 }
 
-std::string size_text(std::uint64_t bytes) {
-  constexpr const char* kUnits[] = {"B", "kB", "MB", "GB", "TB"};
-  double size = static_cast<double>(bytes);
-  std::size_t unit = 0;
-  for (; size >= 1000.0 && unit + 1 < std::size(kUnits); ++unit) size /= 1000.0;
-  char text[32];
-  std::snprintf(text, sizeof text, "%.3g %s", size, kUnits[unit]);
-  return text;
-}
-
-std::string number_text(const char* format, double value) {
-  char text[48];
-  std::snprintf(text, sizeof text, format, value);
-  return text;
-}
-
-void print_line(const char* label, const std::string& value) {
-  std::printf("%-10s %s\n", label, value.c_str());
-}
-
-// Columns as wide as what they hold; the last one as it comes.
-void print_table(const std::vector<std::vector<std::string>>& rows) {
-  std::vector<std::size_t> widths;
-  for (const auto& row : rows) {
-    widths.resize(row.size());
-    for (std::size_t i = 0; i < row.size(); ++i) widths[i] = std::max(widths[i], row[i].size());
-  }
-  for (const auto& row : rows) {
-    std::string line;
-    for (std::size_t i = 0; i + 1 < row.size(); ++i)
-      line += row[i] + std::string(widths[i] - row[i].size() + 2, ' ');
-    std::printf("%s%s\n", line.c_str(), row.back().c_str());
-  }
-}
-
-// "-" for what is not known.
-std::string text_of(const Json& value) {
-  if (value.is_null() || value == "") return "-";
-  if (value.is_boolean()) return value.get<bool>() ? "yes" : "no";
-  return value.is_string() ? value.get<std::string>() : dump(value, -1);
-}
-
-void print_sources(const Json& sources) {
-  if (sources.empty()) return print_line("sources", "none yet");
-  std::vector<std::vector<std::string>> rows{{"source", "epoch", "alive", "decided", "accepted",
-                                              "refused", "held", "clock", "last refusal"}};
-  for (const Json& source : sources) {
-    char epoch[24];
-    std::snprintf(epoch, sizeof epoch, "%016llx",
-                  static_cast<unsigned long long>(source["epoch"].get<std::uint64_t>()));
-    const Json& offset = source["clock_offset_ns"];
-    rows.push_back({text_of(source["source"]), epoch, text_of(source["alive"]),
-                    text_of(source["highest_decided"]), text_of(source["accepted"]),
-                    text_of(source["refused"]), text_of(source["held"]),
-                    offset.is_null() ? "-" : number_text("%+.3g ms", offset.get<double>() * 1e-6),
-                    text_of(source["last_refusal"])});
-  }
-  std::printf("\n");
-  print_table(rows);
-}
-
-void print_text(const Json& status) {
-  if (const Json& daemon = status["daemon"]; !daemon.is_null()) {
-    print_line("daemon", "cairnd " + text_of(daemon["version"]) + " on " + text_of(daemon["host"]) +
-                             ", " + text_of(daemon["state"]) + " since " +
-                             text_of(daemon["started"]));
-  }
-  print_line("head", text_of(status["head"]));
-  const bool solved = status["solved_revision"] != 0;
-  const Json& chi2 = status["chi2"];
-  print_line("estimate", "of revision " + text_of(status["estimate_revision"]) + ", solved " +
-                             (solved ? "at " + text_of(status["solved_revision"]) : "never") +
-                             (chi2.is_null() ? "" : number_text(", chi2 %.9g", chi2)));
-  print_line("map", text_of(status["variables"]) + " variables, " + text_of(status["factors"]) +
-                        " factors");
-  if (const Json& datum = status["datum"]; !datum.is_null())
-    print_line("datum", number_text("%.9g N ", datum[0]) + number_text("%.9g E ", datum[1]) +
-                            number_text("%.6g m", datum[2]));
-  if (const Json& memory = status["memory_bytes"]; !memory.is_null())
-    print_line("memory", size_text(memory));
-  print_line("disk", size_text(status["disk_free_bytes"]) + " free");
-  if (status["message"] != "") print_line("attention", text_of(status["message"]));
-  print_sources(status["sources"]);
-}
-
-Result<Json> status_of_daemon(const Target& target) {
-  const Result<std::string> text = ask(target, {"status"}, std::chrono::seconds(30));
+Result<Json> status_of_daemon(Client& client, std::chrono::seconds patience) {
+  const Result<std::string> text = client.command("status", patience);
   if (!text) return text.error();
   Json status = Json::parse(*text, nullptr, false);
   if (status.is_object() && status.contains("sources")) return status;
   return Error{ErrorCode::kInternal,
                "the daemon's status is not JSON; do client and daemon have the same version?"};
+}
+
+void print(const Json& status, bool as_json) {
+  std::fputs((as_json ? dump(status) + '\n' : text_of_status(status)).c_str(), stdout);
+}
+
+// In place, without a flicker: what is left of the last one is cleared behind each line.
+void draw(const std::string& text) {
+  std::string lines = "\x1b[H";
+  for (const char c : text) lines += c == '\n' ? "\x1b[K\n" : std::string(1, c);
+  std::fputs((lines + "\x1b[J").c_str(), stdout);
+}
+
+int watch(Client& client, const StatusArguments& a) {
+  const InterruptGuard guard;
+  const bool in_place = !a.json && isatty(STDOUT_FILENO) == 1;
+  if (in_place) std::fputs("\x1b[2J", stdout);
+  while (!InterruptGuard::interrupted()) {
+    const auto next = std::chrono::steady_clock::now() + std::chrono::duration<double>(*a.every_s);
+    const Result<Json> status = status_of_daemon(client, std::chrono::seconds(5));
+    if (!status)
+      (void)fail(status.error());  // it may come back
+    else if (a.json)
+      std::printf("%s\n", dump(*status, -1).c_str());
+    else if (in_place)
+      draw(text_of_status(*status));
+    else
+      std::printf("%s\n", text_of_status(*status).c_str());
+    if (std::fflush(stdout) != 0) return kInternalError;
+    while (!InterruptGuard::interrupted() && std::chrono::steady_clock::now() < next)
+      std::this_thread::sleep_for(std::chrono::milliseconds(50));
+  }
+  return kDone;
+}
+
+int tell_status(const StatusArguments& a) {
+  if (a.target.is_folder()) {
+    if (a.every_s)
+      return fail({ErrorCode::kUsage,
+                   "a folder that no daemon serves does not change: --watch wants a daemon"});
+    const Result<Json> status = status_of_folder(a.target.folder);
+    if (!status) return fail(status.error());
+    print(*status, a.json);
+    return kDone;
+  }
+  Result<Connection> connection = connect(a.target);
+  if (!connection) return fail(connection.error());
+  if (a.every_s) return watch(connection->client, a);
+  const Result<Json> status = status_of_daemon(connection->client, std::chrono::seconds(30));
+  if (!status) return fail(status.error());
+  print(*status, a.json);
+  return kDone;
 }
 
 }  // namespace
@@ -174,15 +160,14 @@ Run add_status(CLI::App& parent, CLI::App*& verb) {
   verb->footer(kStatusFooter);
   add_target(*verb, a->target);
   verb->add_flag("--json", a->json, "print JSON");
-  return [a]() -> int {
-    const Result<Json> status =
-        a->target.is_folder() ? status_of_folder(a->target.folder) : status_of_daemon(a->target);
-    if (!status) return fail(status.error());
-    if (a->json)
-      std::printf("%s\n", dump(*status).c_str());
-    else
-      print_text(*status);
-    return kDone;
+  verb->add_option("--watch", a->every_s, "show it live, so often (1 where no number is given)")
+      ->expected(0, 1)
+      ->default_str("")
+      ->check(CLI::Range(0.1, 3600.0).description(""))
+      ->type_name("[SECONDS]");
+  return [a, verb]() -> int {
+    if (verb->count("--watch") > 0 && !a->every_s) a->every_s = 1.0;
+    return tell_status(*a);
   };
 }
 

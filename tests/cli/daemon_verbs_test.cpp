@@ -3,9 +3,11 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <sstream>
+#include <thread>
 
 #include "cairn/factors/factor_codec.hpp"
 #include "cairn/io/graph_file.hpp"
@@ -103,6 +105,40 @@ TEST_F(DaemonVerbs, AnswersOfDaemonAndFolderAreTheSame) {
             ask_folder({"export", "graph", "-"}).out);
 }
 
+// One object per line, until somebody has seen enough.
+TEST_F(DaemonVerbs, WatchesTheStatus) {
+  ASSERT_EQ(run_cairn({"simulate", "grid", "--poses", "120", "-o", file("grid.g2o")}).exit_code, 0);
+  start();
+  ASSERT_EQ(replay({file("grid.g2o")}).exit_code, 0);
+  Process watching(cairn_command({"status", "--watch", "0.1", "--json", "--domain", own_domain()}));
+  const auto lines = [&] {
+    const std::string out = watching.out();
+    return std::count(out.begin(), out.end(), '\n');
+  };
+  for (int i = 0; i < 2000 && lines() < 3; ++i)
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  const ProcessResult seen = watching.end(SIGINT);
+  EXPECT_EQ(seen.exit_code, 0) << seen.err;
+  std::istringstream text(seen.out);
+  int count = 0;
+  for (std::string line; std::getline(text, line); ++count) {
+    const auto status = json::parse(line);
+    EXPECT_EQ(status["schema_version"], 1);
+    EXPECT_EQ(status["variables"], 120);
+    EXPECT_FALSE(status["solver"]["running"].is_null());
+    EXPECT_EQ(status["queues"]["inbox_messages"], 0);
+    EXPECT_EQ(status["latency"]["receipt"]["count"], 120);
+    EXPECT_GT(status["latency"]["receipt"]["p50_ms"], 0.0);
+    EXPECT_GE(status["latency"]["receipt"]["max_ms"], status["latency"]["receipt"]["p99_ms"]);
+    EXPECT_GT(status["latency"]["closure_to_poses"]["count"], 0);
+    EXPECT_EQ(status["sources"][0]["quarantined"], 0);
+  }
+  EXPECT_GE(count, 3);
+  EXPECT_EQ(ask({"status", "--watch", "nonsense"}).exit_code, 2);
+  EXPECT_EQ(ask_folder({"status", "--watch"}).exit_code, 2);
+  EXPECT_THAT(ask({"status"}).out, HasSubstr("receipts   p50 "));
+}
+
 TEST_F(DaemonVerbs, SayWhatToDoWhereNoDaemonAnswers) {
   for (const std::vector<std::string>& verb :
        std::vector<std::vector<std::string>>{{"status"},
@@ -173,6 +209,18 @@ TEST_F(DaemonVerbs, KeepAFalseLoopOutAndUndoIt) {
               HasSubstr("mirror/1#0 is quarantined: does not fit the map "));
   EXPECT_THAT(std::string(json::parse(ask({"status", "--json"}).out)["message"]),
               HasSubstr("1 loop closure is quarantined (cairn log --kind verdict)"));
+  const auto quarantine = json::parse(ask({"status", "--json"}).out)["quarantine"];
+  EXPECT_EQ(quarantine["count"], 1);
+  EXPECT_EQ(quarantine["newest"][0]["factor"], record + ":0");
+  EXPECT_THAT(ask({"explain", "edge", record + ":0"}).out, HasSubstr("does not fit the map"));
+  EXPECT_THAT(ask({"explain", "node", "city/0/40"}).out, HasSubstr(record + ":0"));
+  ASSERT_THAT(ask({"edge", "trust", record + ":0"}).out, HasSubstr("1 factor trusted, record "));
+  EXPECT_THAT(ask({"settle"}).out, Not(HasSubstr(chi2)));
+  ASSERT_EQ(ask({"revoke", "--source", "mirror", "--since", record}).exit_code, 0);
+  EXPECT_THAT(ask({"settle"}).out, HasSubstr(chi2));
+  EXPECT_THAT(ask({"log", "--kind", "command", "--limit", "1"}).out,
+              HasSubstr("revoke --source mirror --since " + record + ": 1 factor disabled"));
+  ASSERT_EQ(ask({"edge", "enable", record}).exit_code, 0);
   const auto undone = ask({"undo", record, "--reason", "a mirror", "--operator", "anna"});
   ASSERT_EQ(undone.exit_code, 0) << undone.err;
   EXPECT_THAT(undone.out, HasSubstr("1 factor disabled, record "));
