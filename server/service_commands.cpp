@@ -17,8 +17,7 @@ constexpr std::size_t kMostAwaiting = 64;  // commands that wait for a solve
 
 void Service::carry_out(const Command& command) {
   const std::string verb = command.text.substr(0, command.text.find(' '));
-  if (verb == "status")
-    return transport_.reply({command.key, {}, dump(status_json(), -1)});
+  if (verb == "status") return transport_.reply({command.key, {}, dump(status_json(), -1)});
   const bool of_settled_map = verb == "settle" || verb == "freeze";
   if (of_settled_map && needs_solve()) {
     const bool repeated =

@@ -29,9 +29,9 @@ struct Order {
 /// if a transaction had never come, or an order had never been given; `revoke {"source": S,
 /// "since": T, "cascade": false}`: as if nothing had come of a source since a record's number, or a
 /// UTC time, as text; `freeze`: every node stays where it is, of a map that is solved, and `thaw`:
-/// all may move again; `thin {"nodes": [3, 4], "by": 12}`: factors that lead to these nodes (by order
-/// of arrival) are switched off, in favor of those of record 12. kUsage where it makes no sense, kNotUsable where later records stand in the
-/// way; the message lists them.
+/// all may move again; `thin {"nodes": [3, 4], "by": 12}`: factors that lead to these nodes (by
+/// order of arrival) are switched off, in favor of those of record 12. kUsage where it makes no
+/// sense, kNotUsable where later records stand in the way; the message lists them.
 Result<Order> make_order(const Question& question, const Journal& journal, const MapHead& head);
 /// Whether make_order() is whom to ask.
 bool is_order(const Question& question);
