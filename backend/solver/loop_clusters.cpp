@@ -30,18 +30,19 @@ class ClusterTest {
               double scale)
       : cycles_(cycles), graph_(solved), fit_(fit), scale_(scale) {}
 
-  std::vector<std::size_t> run(const std::vector<std::pair<std::size_t, std::size_t>>& agreeing,
+  std::vector<ShiftedLoop> run(const std::vector<std::pair<std::size_t, std::size_t>>& agreeing,
                                const std::vector<bool>& in, const Marginals& marginals) {
     find_clusters(agreeing, in);
     keep_suspects(marginals);
     if (clusters_.empty()) return {};
     correlate(marginals);
-    std::vector<std::size_t> shifted;
+    std::vector<ShiftedLoop> shifted;
     double first = 0.0;
     while (const auto worst = worst_cluster()) {
-      if (worst->excess < first / 4.0) break;
-      first = std::max(first, worst->excess);
-      shifted.insert(shifted.end(), worst->cluster->loops.begin(), worst->cluster->loops.end());
+      if (worst->judged.excess < first / 4.0) break;
+      first = std::max(first, worst->judged.excess);
+      for (const std::size_t loop : worst->cluster->loops)
+        shifted.push_back({loop, worst->judged.chi2, worst->judged.excess});
       leave_out(*worst->cluster);
     }
     return shifted;
@@ -54,6 +55,9 @@ class ClusterTest {
   using Whitened = typename LoopFit<Pose>::Whitened;
   using Loop = typename LoopCycles<Pose>::Loop;
 
+  struct Judged {
+    double chi2, excess;  // over its limit
+  };
   struct Cluster {
     std::vector<std::size_t> loops;
     double excess = 0.0;             // at most, of chi2 over its limit
@@ -117,7 +121,7 @@ class ClusterTest {
     }
     own = at_most ? Matrix(static_cast<double>(ends.size()) * own)
                   : Matrix(marginals.covariance_of_sum(ends, weights));
-    return excess_of(cluster, stated, own, pull);
+    return judge(cluster, stated, own, pull).excess;
   }
 
   // Errors, their covariance in the solution, and what a shift of each cluster does to them.
@@ -166,7 +170,7 @@ class ClusterTest {
 
   struct Shifted {
     Cluster* cluster;
-    double excess;
+    Judged judged;
   };
   std::optional<Shifted> worst_cluster() {
     std::optional<Shifted> worst;
@@ -175,15 +179,15 @@ class ClusterTest {
       const Eigen::Matrix<double, Eigen::Dynamic, d> A = A_(cluster.rows, Eigen::all);
       const Matrix own = A.transpose() * S_(cluster.rows, cluster.rows) * A;
       const Vector pull = A.transpose() * r_(cluster.rows);
-      const double excess = excess_of(cluster, A.transpose() * A, own, pull);
-      if (excess > (worst ? worst->excess : 1.0)) worst = {&cluster, excess};
+      const Judged judged = judge(cluster, A.transpose() * A, own, pull);
+      if (judged.excess > (worst ? worst->judged.excess : 1.0)) worst = {&cluster, judged};
     }
     return worst;
   }
 
-  // Of the shift's chi2 over its limit; A^T A, A^T S A, A^T r.
-  [[nodiscard]] double excess_of(const Cluster& cluster, const Matrix& stated, Matrix own,
-                                 const Vector& pull) const {
+  // Of the shift; by A^T A, A^T S A, A^T r.
+  [[nodiscard]] Judged judge(const Cluster& cluster, const Matrix& stated, Matrix own,
+                             const Vector& pull) const {
     const Eigen::LLT<Matrix> root(stated);
     root.matrixL().solveInPlace(own);
     root.matrixU().template solveInPlace<Eigen::OnTheRight>(own);
@@ -195,7 +199,7 @@ class ClusterTest {
     const auto more =
         static_cast<double>(cluster.loops.size() - std::min(cluster.loops.size(), kShortRun));
     const double limit = largest_chi2(d) * (1.0 - loose * (1.0 - loose_share(d))) + kBend * more;
-    return chi2 / (limit * scale_);
+    return {chi2, chi2 / (limit * scale_)};
   }
 
   // The others' errors and covariance without it.
@@ -221,7 +225,7 @@ class ClusterTest {
 }  // namespace
 
 template <class Pose>
-std::vector<std::size_t> find_shifted_clusters(
+std::vector<ShiftedLoop> find_shifted_clusters(
     const LoopCycles<Pose>& cycles,
     const std::vector<std::pair<std::size_t, std::size_t>>& agreeing, const Graph& solved,
     const LoopFit<Pose>& fit, const std::vector<bool>& in, const Marginals& marginals,
@@ -229,10 +233,10 @@ std::vector<std::size_t> find_shifted_clusters(
   return ClusterTest<Pose>(cycles, solved, fit, scale).run(agreeing, in, marginals);
 }
 
-template std::vector<std::size_t> find_shifted_clusters(
+template std::vector<ShiftedLoop> find_shifted_clusters(
     const LoopCycles<Se2>&, const std::vector<std::pair<std::size_t, std::size_t>>&, const Graph&,
     const LoopFit<Se2>&, const std::vector<bool>&, const Marginals&, double);
-template std::vector<std::size_t> find_shifted_clusters(
+template std::vector<ShiftedLoop> find_shifted_clusters(
     const LoopCycles<Se3>&, const std::vector<std::pair<std::size_t, std::size_t>>&, const Graph&,
     const LoopFit<Se3>&, const std::vector<bool>&, const Marginals&, double);
 

@@ -9,6 +9,13 @@
 
 namespace cairn {
 
+/// A loop of a cluster that is out of place: the cluster's chi2 exceeds its limit, `excess` times.
+struct ShiftedLoop {
+  std::size_t loop;  ///< by place in LoopCycles::loops()
+  double chi2;
+  double excess;
+};
+
 /// Loops that say the same hold each other: alone each fits a map that gave way to all of them.
 /// Finds those that take part (`in`, by place in LoopCycles::loops()) and are not where `solved`
 /// would have them without their whole cluster: loops of which `agreeing` are pairs, and single
@@ -25,7 +32,7 @@ namespace cairn {
 /// again. S_ij is bounded by S_ii and S_jj first, and computed where this does not acquit a
 /// cluster; of very many the least suspicious are let go.
 template <class Pose>
-std::vector<std::size_t> find_shifted_clusters(
+std::vector<ShiftedLoop> find_shifted_clusters(
     const LoopCycles<Pose>& cycles,
     const std::vector<std::pair<std::size_t, std::size_t>>& agreeing, const Graph& solved,
     const LoopFit<Pose>& fit, const std::vector<bool>& in, const Marginals& marginals,

@@ -90,6 +90,7 @@ class LoopGate {
     groups_ = std::move(*found);
     in_ = groups_.supported;
     returns_.resize(in_.size());
+    shifted_.resize(in_.size());
     for (std::size_t i = 0; i < in_.size(); ++i) ties_parts_.push_back(!ties_.joined(i));
     for (const LoopGroups::Group& group : groups_.groups)
       if (group.in && ties_parts_[group.loops.front()]) in_[group.loops.front()] = true;
@@ -139,9 +140,12 @@ class LoopGate {
   // False where no cluster is.
   bool leave_out_shifted() {
     if (marginals() == nullptr) return false;
-    const std::vector<std::size_t> shifted =
+    const std::vector<ShiftedLoop> shifted =
         find_shifted_clusters(cycles_, groups_.agreeing, graph_, fit_, in_, *marginals(), scale_);
-    for (const std::size_t loop : shifted) in_[loop] = false;
+    for (const ShiftedLoop& cluster : shifted) {
+      in_[cluster.loop] = false;
+      shifted_[cluster.loop] = cluster;
+    }
     return !shifted.empty();
   }
 
@@ -289,6 +293,9 @@ class LoopGate {
       return {loop.factor, GateTest::kTooFew, static_cast<double>(ties_.places_like(i, candidates)),
               static_cast<double>(ties_.least())};
     }
+    if (const auto& shifted = shifted_[i]; shifted && fit_.chi2(loop.factor) <= result_.threshold)
+      return {loop.factor, GateTest::kResidual, shifted->chi2, shifted->chi2 / shifted->excess,
+              opponents(i)};
     return {loop.factor, groups_.contradicted[i] ? GateTest::kPairs : GateTest::kResidual,
             ratio(i) * median_chi2(kDimension), result_.threshold, opponents(i)};
   }
@@ -323,9 +330,10 @@ class LoopGate {
   std::vector<bool> in_;          // by loop: takes part
   std::vector<bool> ties_parts_;  // by loop: nothing but loops ties its ends together
   bool started_ = false;          // the last solve did, from the beginning, to its end
-  std::vector<int> returns_;      // by loop: how often it was taken back
-  std::optional<Result<Marginals>> marginals_;  // of the last solution
-  double scale_ = 1.0;                          // of residuals at the solution
+  std::vector<std::optional<ShiftedLoop>> shifted_;  // by loop: the last time
+  std::vector<int> returns_;                         // by loop: how often it was taken back
+  std::optional<Result<Marginals>> marginals_;       // of the last solution
+  double scale_ = 1.0;                               // of residuals at the solution
   GatedSolution result_;
 };
 

@@ -24,7 +24,8 @@ std::string_view to_string(GateTest test);
 struct LeftOutLoop {
   std::size_t factor = 0;  ///< place in Graph::factors()
   GateTest test = GateTest::kResidual;
-  /// Its chi2 at the solution without it, which exceeds the threshold; kTooFew: how many distinct
+  /// Its chi2 at the solution without it, which exceeds the threshold, or else that of the common
+  /// shift of all loops nearby that agree with it; kTooFew: how many distinct
   /// places its kind ties, which falls short of it.
   double value = 0.0;
   double threshold = 0.0;

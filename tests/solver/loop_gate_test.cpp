@@ -100,6 +100,7 @@ TEST(LoopGate, FindsFalseLoopsBetweenRobots) {
         {.count = count, .in_groups = count / 3, .between_robots = true, .seed = seed + draw});
     const GatedSolution solution = solve_gated(graph, options);
     ASSERT_TRUE(solution.summary.usable()) << "draw " << draw;
+    for (const LeftOutLoop& loop : solution.left_out) EXPECT_GT(loop.value, loop.threshold);
     drawn += false_loops.size();
     for (const std::size_t place : left_out(solution))
       ++(false_loops.contains(place) ? found : lost);
