@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Three robots, an operator and the real daemon as processes over DDS: growth, then the same roads
-// again and again; true and false loop closures; orders and their undoing; robots and daemon killed
-// and started again. CAIRN_SOAK_MINUTES sets how long (0.4), CAIRN_SEED repeats what is sent.
+// again, then standing still; true and false loop closures; orders and their undoing; robots and
+// daemon killed and started again. CAIRN_SOAK_MINUTES sets how long (0.4), CAIRN_SEED
+// repeats what is sent.
 #include <gtest/gtest.h>
 
 #include <chrono>
