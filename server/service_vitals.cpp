@@ -10,7 +10,7 @@ using Json = nlohmann::ordered_json;
 using Clock = std::chrono::steady_clock;
 
 constexpr std::size_t kMostClosures = 4096;
-constexpr std::chrono::seconds kTrustEvery{10};  // while input goes on
+constexpr std::chrono::seconds kTrustEvery{30};  // while input goes on
 
 Json to_json(const LatencyWindow::Summary& summary) {
   return {{"count", summary.count},

@@ -43,7 +43,7 @@ constexpr const char* kStatusFooter =
     "states; the median of\n"
     "all its odometry, or loops, of one robot. 3.1x over-confident: they are 3.1 times as large as "
     "stated. Measured\n"
-    "when the map is settled, and every ten seconds.\n"
+    "when the map is settled, and every 30 s.\n"
     "With --watch, drawn again in place on a terminal, else one after the other; with --json one "
     "object per line.\n"
     "Ctrl-C ends it.\n"

@@ -52,11 +52,14 @@ std::string table(const std::vector<std::vector<std::string>>& rows) {
   return text;
 }
 
-// "-" for what is not known.
+// "-" for what is not known. Names come from strangers: nothing in them moves the cursor.
 std::string text_of(const Json& value) {
   if (value.is_null() || value == "") return "-";
   if (value.is_boolean()) return value.get<bool>() ? "yes" : "no";
-  return value.is_string() ? value.get<std::string>() : dump(value, -1);
+  std::string text = value.is_string() ? value.get<std::string>() : dump(value, -1);
+  std::replace_if(
+      text.begin(), text.end(), [](unsigned char c) { return c < 0x20 || c == 0x7F; }, '?');
+  return text;
 }
 
 std::string sources_text(const Json& sources) {
@@ -106,13 +109,14 @@ std::string head_text(const Json& status) {
 // Null where a daemon of another version does not say it.
 Json part(const Json& status, const char* key) { return status.value(key, Json()); }
 
+std::string ms_text(double ms) { return number_text(ms < 100.0 ? "%.3g" : "%.0f", ms); }
+
 std::string latency_text(const Json& latency) {
   const std::uint64_t count = latency.value("count", std::uint64_t{0});
   if (count == 0) return "none";
-  return number_text("p50 %.3g", latency.value("p50_ms", 0.0)) +
-         number_text(", p99 %.3g", latency.value("p99_ms", 0.0)) +
-         number_text(", at most %.3g ms", latency.value("max_ms", 0.0)) + " (" +
-         std::to_string(count) + ')';
+  return "p50 " + ms_text(latency.value("p50_ms", 0.0)) + ", p99 " +
+         ms_text(latency.value("p99_ms", 0.0)) + ", at most " +
+         ms_text(latency.value("max_ms", 0.0)) + " ms (" + std::to_string(count) + ')';
 }
 
 std::string vitals_text(const Json& status) {

@@ -105,7 +105,7 @@ TEST(ExplainTrusted, NamesTheLoopsThatTheGateWouldLeaveOut) {
     return map.take(loop);
   };
   for (std::uint64_t i = 0; i < 25; ++i) tie(i, i + 30, 30.0);
-  const std::uint64_t wrong = tie(10, 41, 1.0);
+  const std::uint64_t wrong = tie(10, 41, 28.0);
   map.solve();
   const auto ask = [&] {
     const auto text =
@@ -153,7 +153,7 @@ TEST_F(Explain, TellsWhereANodeIsAndWhatSaysSo) {
     EXPECT_EQ(json["factors"][0]["verdicts"].size(), 1u);
   }
   const std::string told = text("node", {{"node", "robot/3/25"}});
-  EXPECT_THAT(told, HasSubstr("node       robot/3/25 (pose2) of record 26"));
+  EXPECT_THAT(told, HasSubstr("node       robot/3/25 (SE(2) pose) of record 26"));
   EXPECT_THAT(told, HasSubstr("sigma      x m 0."));
   EXPECT_THAT(told, HasSubstr("31:0        quarantined"));
 }

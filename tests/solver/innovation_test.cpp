@@ -17,7 +17,7 @@ Graph ring() {
     EXPECT_TRUE(graph.add_pose2({i}, test::Plane::on_circle(0.5 * static_cast<double>(i))));
   const auto tie = [&](std::uint64_t a, std::uint64_t b, FactorKind kind) {
     const Se2 T_a_b = graph.values().pose2[a].inverse() * graph.values().pose2[b];
-    const BetweenSe2 factor{T_a_b * Se2::exp(random.vector<3>(1e-3)),
+    const BetweenSe2 factor{T_a_b * Se2::exp(random.vector<3>(1e-2)),
                             1e4 * random.information<3>()};
     EXPECT_TRUE(graph.add_factor(factor, {VariableId{a}, VariableId{b}}, kind));
   };
@@ -43,7 +43,7 @@ TEST(Innovation, IsTheSameSeenFromTheSolutionWithAndWithoutTheFactor) {
   EXPECT_EQ(outside->dimension, 3);
   EXPECT_GT(inside->chi2, 0.01);
   EXPECT_NEAR(inside->chi2, outside->chi2, 0.02 * outside->chi2);
-  EXPECT_NEAR(inside->redundancy, outside->redundancy, 1e-3);
+  EXPECT_NEAR(inside->redundancy, outside->redundancy, 0.02 * outside->redundancy);
   // It is what the factor costs, too.
   EXPECT_NEAR(solved.final_chi2 - solved_without.final_chi2, outside->chi2, 0.02 * outside->chi2);
   // A loop of 12 relative poses in the plane has three numbers to spare.
