@@ -168,7 +168,7 @@ double late_joiner_seconds(std::uint32_t domain, std::size_t poses) {
 double snapshot_us(std::size_t poses) {
   PoseGraph map;
   for (std::size_t i = 0; i < poses; ++i) {
-    map.nodes.push_back({{{"robot", 1}, i}, VariableType::kPose2, 0, {0.0, 0.0, 0.0}, {}});
+    map.nodes.push_back({{{"robot", 1}, i}, i + 1, VariableType::kPose2, 0, {0.0, 0.0, 0.0}, {}});
     map.estimates.push_back({});
     map.factors.push_back({});
   }

@@ -187,7 +187,7 @@ Comparison compare(PoseGraph map, const Picture& picture) {
   }
   const Graph as_published = canonical_graph(map, order);
   Graph polished = as_published;
-  optimize(batch, settle_options({}));
+  optimize(batch, optimizer_options({}));
   optimize(polished, {.init = InitMethod::kFile});
   if (compute_chi2(polished) < compute_chi2(batch)) batch = std::move(polished);
   // A thousandth per degree of freedom is nothing: without closures the optimum is 0.

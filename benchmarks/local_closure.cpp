@@ -83,7 +83,9 @@ double poses_moved(const std::string& folder, std::size_t closures) {
   std::vector<double> moved;
   const auto walked = (*journal)->for_each(1, [&](const Record& record) -> Result<void> {
     const auto* solve = std::get_if<SolveRecord>(&record.body);
-    if (solve != nullptr && SolveSettings::parse(solve->settings).kind() == SolveKind::kLive)
+    const auto method =
+        solve == nullptr ? std::nullopt : SolveSettings::parse(solve->settings).known();
+    if (method && method->kind == SolveKind::kLive)
       moved.push_back(static_cast<double>(solve->changed.size()));
     return {};
   });

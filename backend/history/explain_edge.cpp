@@ -47,7 +47,8 @@ class Case {
     json["off"] = nullptr;
     if (!without_.summary.usable() || !tied_by_others()) return;
     const auto [graph, factor] = graph_with_it();
-    const auto marginals = Marginals::compute(without_.graph, settle_options(keep_going_));
+    const auto marginals =
+        Marginals::compute(without_.graph, optimizer_options({.keep_going = keep_going_}));
     if (!marginals) return;
     const auto innovation = innovation_outside(graph, factor, *marginals);
     if (!innovation) return;
@@ -78,7 +79,7 @@ class Case {
     const bool is_in = takes_part(map_.factors[place_].state);
     PoseGraph other = map_;
     other.factors.edit(place_).state = is_in ? FactorState::kDisabled : FactorState::kTrusted;
-    const SettledEstimate settled = settle(other, keep_going_);
+    const SettledEstimate settled = settle(other, {.keep_going = keep_going_});
     Json& alternative = json[is_in ? "if_disabled" : "if_trusted"];
     if (!settled.summary.usable()) return;
     alternative = {{"chi2", settled.summary.final_chi2},
@@ -98,7 +99,7 @@ class Case {
     });
   }
   [[nodiscard]] SettledEstimate solve(bool with) const {
-    return settle(map_, order_of(with), Gate::kOpen, keep_going_);
+    return settle(map_, order_of(with), {.gate = Gate::kOpen, .keep_going = keep_going_});
   }
   [[nodiscard]] std::size_t place_in_order() const {
     const CanonicalOrder order = order_of(true);

@@ -61,9 +61,11 @@ std::optional<Eigen::MatrixXd> covariance_of(const PoseGraph& map, NodeIndex nod
   const auto place = std::find(order.nodes.begin(), order.nodes.end(), node);
   if (place == order.nodes.end()) return std::nullopt;
   const auto slot = static_cast<VariableSlot>(place - order.nodes.begin());
-  const SettledEstimate settled = settle(map, order, Gate::kOpen, keep_going);
+  const SettledEstimate settled =
+      settle(map, order, {.gate = Gate::kOpen, .keep_going = keep_going});
   if (!settled.summary.usable()) return std::nullopt;
-  const auto marginals = Marginals::compute(settled.graph, settle_options(keep_going));
+  const auto marginals =
+      Marginals::compute(settled.graph, optimizer_options({.keep_going = keep_going}));
   if (!marginals) return std::nullopt;
   return marginals->covariance(slot);
 }

@@ -191,11 +191,11 @@ Result<Order> order_thinned(const Question& question, const MapHead& head) {
                                         std::to_string(count) + ", in order of arrival"};
   std::set<NodeIndex> gone;
   for (const Json& number : *named) gone.insert(number.get<NodeIndex>());
-  const auto [first, last] = head.factors_of(question.number("by", 0));
+  const std::uint64_t by = question.number("by", 0);
   Order order{asked_by(question)};
   const auto& factors = head.graph().factors;
   for (std::size_t f = 0; f < factors.size(); ++f) {
-    const bool made = first <= f && f < last;
+    const bool made = factors[f].record == by;
     const bool leads_there = std::any_of(factors[f].nodes.begin(), factors[f].nodes.end(),
                                          [&](NodeIndex node) { return gone.contains(node); });
     if (made || (leads_there && is_enabled(factors[f].state)))

@@ -41,7 +41,7 @@ std::map<Key, Checked> check_all(const PoseGraph& map) {
   const CanonicalOrder order(map,
                              [&](std::uint32_t f) { return takes_part(map.factors[f].state); });
   const Graph graph = graph_at_estimates(map, order);
-  const auto marginals = Marginals::compute(graph, settle_options({}));
+  const auto marginals = Marginals::compute(graph, optimizer_options({}));
   for (std::size_t i = 0; marginals && i < order.factors.size(); ++i) {
     if (order.factors[i] >= map.first_unsolved_factor) continue;
     const auto innovation = innovation_inside(graph, graph.factors()[i], *marginals);

@@ -46,15 +46,14 @@ UncertainPose<Pose> measurement(const FactorBatch& batch, std::uint32_t factor,
   return {measured.T_a_b, information.llt().solve(Eigen::Matrix<double, d, d>::Identity()).eval()};
 }
 
-// e^T S^-1 e of the difference of two measurements of one relative pose.
+}  // namespace
+
 template <class Pose>
 double disagreement(const UncertainPose<Pose>& a, const UncertainPose<Pose>& b) {
   const typename Pose::Tangent e = (a.T.inverse() * b.T).log();
   const typename UncertainPose<Pose>::Covariance S = a.covariance + b.covariance;
   return e.dot(S.ldlt().solve(e));
 }
-
-}  // namespace
 
 template <class Pose>
 LoopCycles<Pose>::LoopCycles(const Graph& graph) {
@@ -153,6 +152,8 @@ UncertainPose<Pose> LoopCycles<Pose>::between(std::uint32_t from, std::uint32_t 
           from_start * (b.covariance - a.covariance) * from_start.transpose()};
 }
 
+template double disagreement(const UncertainPose<Se2>&, const UncertainPose<Se2>&);
+template double disagreement(const UncertainPose<Se3>&, const UncertainPose<Se3>&);
 template class LoopCycles<Se2>;
 template class LoopCycles<Se3>;
 

@@ -33,6 +33,10 @@ struct UncertainPose {
 /// Between the ends of loops that can support each other, in keyframes.
 constexpr int kReach = 10;
 
+/// e^T S^-1 e of the difference of two measurements of one relative pose.
+template <class Pose>
+double disagreement(const UncertainPose<Pose>& a, const UncertainPose<Pose>& b);
+
 /// The loop closures of a graph between poses of one type, and the cycles that two of them make
 /// with the odometry between their ends. Covariances are what the factors state.
 template <class Pose>

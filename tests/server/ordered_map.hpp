@@ -72,9 +72,10 @@ class OrderedMap {
     const PoseGraph base = head_.graph();
     Revision next = base.graph_revision;
     ++next.number;
-    const MapSolution solution = solve_as(kind, base);
+    const MapSolution solution = solve_as({kind}, base);
     EXPECT_TRUE(solution.usable());
-    EXPECT_TRUE(journal_->append(apply_solution(head_, base.graph_revision, solution, next, kind)));
+    EXPECT_TRUE(
+        journal_->append(apply_solution(head_, base.graph_revision, solution, next, {kind})));
   }
   [[nodiscard]] const PoseGraph& graph() const { return head_.graph(); }
   [[nodiscard]] const Journal& journal() const { return *journal_; }
