@@ -46,11 +46,11 @@ bool Service::trust_is_due(bool idle) const {
 void Service::measure_trust_beside() {
   trust_at_ = head_.graph().solved_revision.number;
   trust_began_ = Clock::now();
-  on_solver_thread([this, map = head_.graph()] {
+  on_solver_thread([this, map = head_.graph()]() -> std::optional<Message> {
     std::vector<SourceTrust> trust = measure_trust(map);
     const std::lock_guard lock(mutex_);
     trust_ = std::move(trust);
-    return nullptr;
+    return std::nullopt;
   });
 }
 
