@@ -140,6 +140,7 @@ class Loss : public test::LiveService {
 TEST_F(Loss, OfPowerLosesNothingThatWasSaid) {
   drive();
   const Written before(*journal_);
+  service_.reset();
   journal_.reset();
   std::mt19937 random(static_cast<unsigned>(draw_seed()));
   const std::vector<test::DiskEvent> events = disk_->events();
@@ -184,6 +185,7 @@ TEST_F(Loss, OfTheEndLeavesAJournalThatGoesOn) {
 TEST_F(Loss, OfBitsLeavesAJournalThatGoesOn) {
   drive();
   const Written before(*journal_);
+  service_.reset();
   journal_.reset();
   std::mt19937_64 random(draw_seed());
   std::vector<std::string> files;

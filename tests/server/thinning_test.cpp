@@ -39,8 +39,9 @@ class Thinned : public test::LiveService {
   // Until nothing more is taken out.
   void wait_until_quiet() {
     std::uint64_t last = 0;
-    for (int quiet = 0; quiet < 16; ++quiet) {
-      std::this_thread::sleep_for(50ms);
+    for (int quiet = 0; quiet < 4; ++quiet) {
+      ASSERT_TRUE(client_->command("settle", 60s));
+      std::this_thread::sleep_for(250ms);
       const std::uint64_t now = journal_->head().revision.number;
       if (now != last) quiet = 0;
       last = now;
