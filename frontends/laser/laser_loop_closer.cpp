@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "frontends/laser/laser_loop_closer.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace cairn {
+namespace {
+
+std::vector<SurfacePoint> submap_around(const std::vector<LoopKeyframe>& keyframes, std::size_t at,
+                                        std::size_t half, std::size_t end) {
+  std::vector<SurfacePoint> all;
+  const Se2 T_at_map = keyframes[at].T_map_laser.inverse();
+  const std::size_t first = at - std::min(at, half), last = std::min(at + half, end - 1);
+  for (std::size_t k = first; k <= last; ++k)
+    for (const SurfacePoint& point : moved(T_at_map * keyframes[k].T_map_laser, *keyframes[k].points))
+      all.push_back(point);
+  return all;
+}
+
+}  // namespace
+
+std::vector<LaserLoop> find_loops(const std::vector<LoopKeyframe>& keyframes, std::size_t to,
+                                  const LaserLoopOptions& options) {
+  std::vector<LaserLoop> loops;
+  if (to < options.least_apart) return loops;
+  const std::size_t end = to - options.least_apart;
+  std::vector<std::pair<double, std::size_t>> near;
+  for (std::size_t k = 0; k <= end; ++k) {
+    const double distance = (keyframes[k].T_map_laser.translation() -
+                             keyframes[to].T_map_laser.translation()).norm();
+    if (distance <= options.radius_m) near.emplace_back(distance, k);
+  }
+  std::sort(near.begin(), near.end());
+  std::vector<std::size_t> chosen;
+  for (const auto& [distance, k] : near) {
+    if (chosen.size() >= options.most_candidates) break;
+    if (std::any_of(chosen.begin(), chosen.end(), [&](std::size_t other) {
+          return (other > k ? other - k : k - other) <= 2 * options.submap_half;
+        }))
+      continue;
+    chosen.push_back(k);
+  }
+  std::vector<SurfacePoint> scan;
+  for (const SurfacePoint& point : *keyframes[to].points) scan.push_back(point);
+  for (const std::size_t at : chosen) {
+    const std::vector<SurfacePoint> submap =
+        submap_around(keyframes, at, options.submap_half, end + options.least_apart / 2);
+    const LikelihoodGrid grid(submap, options.grid);
+    const Se2 start = keyframes[at].T_map_laser.inverse() * keyframes[to].T_map_laser;
+    const auto found =
+        match_correlative(grid, scan, start, options.window, options.least_score);
+    if (!found) continue;
+    const PointMap map(submap, options.matching.first_reach_m);
+    const PointToLineMatch match =
+        match_point_to_line(map, scan, found->T_map_scan, options.matching);
+    const auto lines = std::count_if(scan.begin(), scan.end(),
+                                     [](const SurfacePoint& p) { return !p.normal.isZero(); });
+    const double inliers = lines > 0 ? static_cast<double>(match.inliers) / static_cast<double>(lines) : 0.0;
+    if (inliers < options.least_inliers) continue;
+    loops.push_back({at, to, match.T_map_scan, match.information, found->score, inliers});
+  }
+  return loops;
+}
+
+}  // namespace cairn
