@@ -126,6 +126,7 @@ Result<void> Client::wait_solved(const Revision& revision, std::chrono::millisec
 Result<std::string> Client::command(const std::string& text, std::chrono::milliseconds timeout) {
   return engine_->command(text, timeout);
 }
+std::uint64_t Client::epoch() const { return engine_->epoch(); }
 std::uint64_t Client::next_sequence() const { return engine_->next_sequence(); }
 std::uint64_t Client::undecided() const { return engine_->undecided(); }
 

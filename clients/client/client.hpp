@@ -110,6 +110,8 @@ class Client {
   /// What the next submission gets: 1 with a new spool. So a program that was restarted knows how
   /// much of its input it has submitted before.
   [[nodiscard]] std::uint64_t next_sequence() const;
+  /// Of the spool: the same until it is deleted.
+  [[nodiscard]] std::uint64_t epoch() const;
   /// Taken and not yet decided.
   [[nodiscard]] std::uint64_t undecided() const;
 

@@ -59,6 +59,7 @@ class Client::Engine final : public LinkListener {
   Result<void> wait(const Revision& revision, Revision EstimateRevisions::*which,
                     std::chrono::milliseconds timeout);
   Result<std::string> command(const std::string& text, std::chrono::milliseconds timeout);
+  [[nodiscard]] std::uint64_t epoch() const { return identity_.epoch; }
   [[nodiscard]] std::uint64_t next_sequence() const;
   [[nodiscard]] std::uint64_t undecided() const;
   /// True on the thread that calls the user's callbacks.

@@ -13,7 +13,8 @@ std::vector<SurfacePoint> submap_around(const std::vector<LoopKeyframe>& keyfram
   const Se2 T_at_map = keyframes[at].T_map_laser.inverse();
   const std::size_t first = at - std::min(at, half), last = std::min(at + half, end - 1);
   for (std::size_t k = first; k <= last; ++k)
-    for (const SurfacePoint& point : moved(T_at_map * keyframes[k].T_map_laser, *keyframes[k].points))
+    for (const SurfacePoint& point :
+         moved(T_at_map * keyframes[k].T_map_laser, *keyframes[k].points))
       all.push_back(point);
   return all;
 }
@@ -27,8 +28,8 @@ std::vector<LaserLoop> find_loops(const std::vector<LoopKeyframe>& keyframes, st
   const std::size_t end = to - options.least_apart;
   std::vector<std::pair<double, std::size_t>> near;
   for (std::size_t k = 0; k <= end; ++k) {
-    const double distance = (keyframes[k].T_map_laser.translation() -
-                             keyframes[to].T_map_laser.translation()).norm();
+    const double distance =
+        (keyframes[k].T_map_laser.translation() - keyframes[to].T_map_laser.translation()).norm();
     if (distance <= options.radius_m) near.emplace_back(distance, k);
   }
   std::sort(near.begin(), near.end());
@@ -48,15 +49,15 @@ std::vector<LaserLoop> find_loops(const std::vector<LoopKeyframe>& keyframes, st
         submap_around(keyframes, at, options.submap_half, end + options.least_apart / 2);
     const LikelihoodGrid grid(submap, options.grid);
     const Se2 start = keyframes[at].T_map_laser.inverse() * keyframes[to].T_map_laser;
-    const auto found =
-        match_correlative(grid, scan, start, options.window, options.least_score);
+    const auto found = match_correlative(grid, scan, start, options.window, options.least_score);
     if (!found) continue;
     const PointMap map(submap, options.matching.first_reach_m);
     const PointToLineMatch match =
         match_point_to_line(map, scan, found->T_map_scan, options.matching);
     const auto lines = std::count_if(scan.begin(), scan.end(),
                                      [](const SurfacePoint& p) { return !p.normal.isZero(); });
-    const double inliers = lines > 0 ? static_cast<double>(match.inliers) / static_cast<double>(lines) : 0.0;
+    const double inliers =
+        lines > 0 ? static_cast<double>(match.inliers) / static_cast<double>(lines) : 0.0;
     if (inliers < options.least_inliers) continue;
     loops.push_back({at, to, match.T_map_scan, match.information, found->score, inliers});
   }

@@ -39,14 +39,14 @@ class LaserTracker {
     std::vector<SurfacePoint> points;  ///< in the laser's frame
     Eigen::Matrix3d information;       ///< of the pose relative to the keyframe before
   };
-  [[nodiscard]] const std::vector<Keyframe>& keyframes() const { return keyframes_; }
+  [[nodiscard]] const std::deque<Keyframe>& keyframes() const { return keyframes_; }
 
  private:
   void add_keyframe(const LaserScan& scan, std::vector<SurfacePoint> points, const Se2& T,
                     const Eigen::Matrix3d& information);
 
   LaserTrackerOptions options_;
-  std::vector<Keyframe> keyframes_;
+  std::deque<Keyframe> keyframes_;  ///< references stay valid
   std::optional<PointMap> submap_;
   std::optional<Se2> wheel_;  ///< at the last scan
   Se2 pose_;

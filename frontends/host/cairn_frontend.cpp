@@ -1,0 +1,126 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Front-ends as a process: cairn-frontend laser --input LOG --robot NAME [--domain N].
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <csignal>
+#include <cstdio>
+
+#include "cairn/core/exit_code.hpp"
+#include "cairn/core/output_file.hpp"
+#include "cairn/core/stopwatch.hpp"
+#include "frontends/host/frame_source.hpp"
+#include "frontends/host/host.hpp"
+#include "frontends/host/plugins.hpp"
+
+namespace {
+
+constexpr const char* kFooter =
+    "Keyframes, odometry and loop closures of a sensor log go to the daemon of the domain. A run "
+    "that was interrupted\n"
+    "goes on where its spool ends; for a new one, take another --robot or an empty --spool.\n"
+    "Exit codes: 0 everything is durable, 2 usage, 3 bad input, 4 refused, 5 no daemon answers.";
+
+struct Arguments {
+  std::string frontend, input, role = "both", spool, trajectory, profile = "local";
+  cairn::HostOptions host{};
+  double timeout_s = 30.0;
+  bool settle = false, quiet = false;
+};
+
+volatile std::sig_atomic_t interrupted = 0;
+
+double percentile(std::vector<double> values, double share) {
+  if (values.empty()) return 0.0;
+  const auto at = static_cast<std::size_t>(share * static_cast<double>(values.size() - 1));
+  std::nth_element(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(at), values.end());
+  return values[at];
+}
+
+void tell(const cairn::FrontendHost& host, double seconds) {
+  const auto& counts = host.counts();
+  std::printf(
+      "%llu frames, %llu keyframes and %llu loop closures in %.1f s; a frame took %.1f ms "
+      "(median), %.1f ms (99 %%)\n",
+      static_cast<unsigned long long>(counts.frames),
+      static_cast<unsigned long long>(counts.keyframes),
+      static_cast<unsigned long long>(counts.loops), seconds, 1e3 * percentile(counts.frame_s, 0.5),
+      1e3 * percentile(counts.frame_s, 0.99));
+}
+
+int run(Arguments& a) {
+  if (!a.trajectory.empty()) {
+    if (auto writable = cairn::check_writable(a.trajectory); !writable)
+      return cairn::fail(writable.error());
+  }
+  auto frontend = cairn::make_frontend(a.frontend);
+  if (!frontend) return cairn::fail(frontend.error());
+  auto input = cairn::open_log(a.input);
+  if (!input) return cairn::fail(input.error());
+  a.host.roles = {a.role != "loop-closer", a.role != "tracker"};
+  a.host.spool = a.spool;
+  a.host.timeout = std::chrono::milliseconds(static_cast<std::int64_t>(1000.0 * a.timeout_s));
+  auto host = cairn::FrontendHost::connect(a.host);
+  if (!host) return cairn::fail(host.error());
+  std::signal(SIGINT, [](int) { interrupted = 1; });
+  std::signal(SIGTERM, [](int) { interrupted = 1; });
+  const cairn::Stopwatch watch;
+  const auto done = (*host)->run(
+      **frontend, [&] { return (*input)->next(); }, [] { return interrupted == 0; });
+  if (!done) return cairn::fail(done.error());
+  if (!a.quiet) tell(**host, watch.seconds());
+  if (a.settle) {
+    const auto settled = (*host)->settle();
+    if (!settled) return cairn::fail(settled.error());
+    if (!a.quiet) std::printf("%s\n", settled->c_str());
+  }
+  if (a.trajectory.empty()) return 0;
+  const auto written = (*host)->write_trajectory(a.trajectory);
+  return written ? 0 : cairn::fail(written.error());
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  CLI::App app{"Runs a front-end: sensor data in, constraints to a Cairn daemon out"};
+  app.footer(kFooter);
+  app.option_defaults()->always_capture_default();
+  Arguments a;
+  app.add_option("FRONTEND", a.frontend, "laser, or the path of a shared object")
+      ->required()
+      ->default_str("");
+  app.add_option("--input", a.input, "CARMEN log (text, .gz, .bz2)")
+      ->required()
+      ->default_str("")
+      ->type_name("LOG");
+  app.add_option("--robot", a.host.robot, "whose data it is")
+      ->required()
+      ->default_str("")
+      ->type_name("NAME");
+  app.add_option("--domain", a.host.domain, "DDS domain of the daemon")
+      ->check(CLI::Range(0, 230).description(""))
+      ->type_name("N");
+  app.add_option("--role", a.role, "keyframes and odometry, loop closures, or both")
+      ->check(CLI::IsMember({"tracker", "loop-closer", "both"}).description(""))
+      ->type_name("{tracker|loop-closer|both}");
+  app.add_option("--rate", a.host.rate_hz, "frames per second; 0: as fast as it goes")
+      ->check(CLI::NonNegativeNumber.description(""))
+      ->type_name("HZ");
+  app.add_flag("--lockstep", a.host.lockstep,
+               "wait for the solve of each loop closure: every run gives the same bits");
+  app.add_option("--spool", a.spool, "folder of the spools; else $XDG_STATE_HOME/cairn/spool")
+      ->type_name("DIR")
+      ->default_str("");
+  app.add_option("--timeout", a.timeout_s, "how long to wait for the daemon")->type_name("S");
+  app.add_flag("--settle", a.settle, "settle the map afterwards, and print the result");
+  app.add_option("--trajectory", a.trajectory,
+                 "write where the sensor was at each frame (TUM; `cairn eval` reads it)")
+      ->type_name("FILE")
+      ->default_str("");
+  app.add_flag("-q,--quiet", a.quiet, "say nothing but warnings and errors");
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? 0 : 2;
+  }
+  return run(a);
+}

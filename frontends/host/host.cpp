@@ -1,0 +1,157 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "frontends/host/host.hpp"
+
+#include <cstdio>
+#include <thread>
+
+#include "cairn/core/output_file.hpp"
+#include "cairn/core/stopwatch.hpp"
+
+namespace cairn {
+namespace {
+
+constexpr std::size_t kMostUndecided = 256;
+
+Result<Client> connect_as(const HostOptions& options, const std::string& source) {
+  ClientOptions client;
+  client.domain = options.domain;
+  client.network = options.network;
+  client.source = source;
+  client.robot = options.robot;
+  if (!options.spool.empty()) client.spool = options.spool / source;
+  return Client::connect(client);
+}
+
+}  // namespace
+
+Result<std::unique_ptr<FrontendHost>> FrontendHost::connect(const HostOptions& options) {
+  std::unique_ptr<FrontendHost> host(new FrontendHost(options));
+  Result<Client> tracker = connect_as(options, options.robot + "-tracker");
+  if (!tracker) return tracker.error();
+  host->tracker_.emplace(std::move(*tracker));
+  Result<Client> closer = connect_as(options, options.robot + "-loops");
+  if (!closer) return closer.error();
+  host->closer_.emplace(std::move(*closer));
+  host->keyframes_before_ = host->tracker_->next_sequence() - 1;
+  host->tracker_->on_poses([raw = host.get()](const PoseUpdate& update) {
+    const std::lock_guard lock(raw->mutex_);
+    raw->arrived_.revisions = update.revisions;
+    for (const PoseChunk& chunk : update.chunks) {
+      raw->arrived_.changed.push_back(chunk);
+      raw->poses_[{chunk.frame, chunk.chunk}] = chunk;
+    }
+  });
+  return host;
+}
+
+Result<void> FrontendHost::run(Frontend& frontend, const NextFrame& next,
+                               const std::function<bool()>& keep_going) {
+  if (auto started = frontend.start(*this); !started) return started;
+  const auto begin = std::chrono::steady_clock::now();
+  while (!keep_going || keep_going()) {
+    if (options_.rate_hz > 0.0)
+      std::this_thread::sleep_until(
+          begin +
+          std::chrono::duration_cast<std::chrono::nanoseconds>(std::chrono::duration<double>(
+              static_cast<double>(counts_.frames) / options_.rate_hz)));
+    Result<std::optional<SensorFrame>> frame = next();
+    if (!frame) return frame.error();
+    if (!*frame) break;
+    deliver_snapshot(frontend);
+    const Stopwatch watch;
+    if (auto done = frontend.process(**frame); !done) return done;
+    counts_.frame_s.push_back(watch.seconds());
+    ++counts_.frames;
+    if (!options_.lockstep) continue;
+    if (auto solved = wait_for_solve(); !solved) return solved;
+  }
+  if (auto stopped = frontend.stop(); !stopped) return stopped;
+  return wait_for(0);
+}
+
+void FrontendHost::deliver_snapshot(Frontend& frontend) {
+  MapSnapshot snapshot;
+  {
+    const std::lock_guard lock(mutex_);
+    if (arrived_.changed.empty()) return;
+    snapshot = std::exchange(arrived_, {});
+  }
+  frontend.on_snapshot(snapshot);
+}
+
+Result<void> FrontendHost::submit_keyframe(Transaction transaction) {
+  ++counts_.keyframes;
+  return keep(tracker_->submit_async(std::move(transaction)), false);
+}
+
+// A loop names keyframes that may still be on their way: the daemon waits for them.
+Result<void> FrontendHost::submit_loops(Transaction transaction) {
+  counts_.loops += transaction.factors.size();
+  return keep(closer_->submit_async(std::move(transaction)), true);
+}
+
+Result<ContentHash> FrontendHost::send_payload(const std::string& type, const std::string& bytes) {
+  return tracker_->send_payload(type, bytes);
+}
+
+Result<void> FrontendHost::keep(Result<Submission> taken, bool of_loops) {
+  if (!taken) return taken.error();
+  waiting_.push_back({std::move(*taken), of_loops});
+  return wait_for(kMostUndecided);
+}
+
+// Until no more than so many are undecided.
+Result<void> FrontendHost::wait_for(std::size_t at_most) {
+  while (waiting_.size() > at_most) {
+    const Waiting& oldest = waiting_.front();
+    const Result<Receipt> receipt = oldest.submission.wait(options_.timeout);
+    if (!receipt) return receipt.error();
+    if (receipt->refusal)
+      return Error{ErrorCode::kNotUsable, "transaction " + std::to_string(receipt->key.sequence) +
+                                              " of " + receipt->key.source + " was refused: " +
+                                              std::string(to_string(*receipt->refusal)) + ": " +
+                                              receipt->reason};
+    if (oldest.of_loops) newest_loop_ = receipt->revision;
+    waiting_.pop_front();
+  }
+  return {};
+}
+
+Result<void> FrontendHost::wait_for_solve() {
+  if (waiting_.empty()) return {};
+  if (auto decided = wait_for(0); !decided) return decided;
+  if (!newest_loop_) return {};
+  return tracker_->wait_solved(*std::exchange(newest_loop_, std::nullopt), options_.timeout);
+}
+
+Result<std::string> FrontendHost::settle() {
+  return tracker_->command("settle", std::chrono::minutes(10));
+}
+
+Result<void> FrontendHost::write_trajectory(const std::string& path) {
+  std::map<NodeId, Se2> pose_of;
+  {
+    const std::lock_guard lock(mutex_);
+    for (const auto& [key, chunk] : poses_)
+      for (const PoseEstimate& pose : chunk.poses)
+        pose_of.emplace(NodeId{chunk.frame, pose.index},
+                        Se2(pose.T_map_body[0], pose.T_map_body[1], pose.T_map_body[2]));
+  }
+  std::string text = "# stamp tx ty tz qx qy qz qw\n";
+  for (const LocalizedFrame& frame : localized_) {
+    const auto keyframe = pose_of.find(frame.keyframe);
+    if (keyframe == pose_of.end())
+      return Error{ErrorCode::kNotUsable,
+                   "the daemon has not told the pose of " + to_string(frame.keyframe)};
+    const Se2 T = keyframe->second * frame.T_keyframe_body;
+    char line[200];
+    std::snprintf(line, sizeof line, "%lld.%09lld %.9f %.9f 0 0 0 %.12f %.12f\n",
+                  static_cast<long long>(frame.stamp_ns / 1'000'000'000),
+                  static_cast<long long>(frame.stamp_ns % 1'000'000'000), T.x(), T.y(),
+                  std::sin(0.5 * T.theta()), std::cos(0.5 * T.theta()));
+    text += line;
+  }
+  return write_file(path, text);
+}
+
+}  // namespace cairn

@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <vector>
+
+#include "frontends/api/frontend.hpp"
+#include "frontends/laser/laser_loop_closer.hpp"
+#include "frontends/laser/laser_tracker.hpp"
+
+namespace cairn {
+
+struct LaserOptions {
+  LaserTrackerOptions tracker{};
+  LaserLoopOptions loops{};
+  /// Information of a match over that of independent echoes: neighboring ones err together.
+  double independent_share = 0.1;
+};
+
+/// Scans to keyframes and loop closures.
+class LaserFrontend final : public Frontend {
+ public:
+  explicit LaserFrontend(const LaserOptions& options = {})
+      : options_(options), tracker_(options.tracker) {}
+
+  Result<void> start(FrontendContext& context) override;
+  Result<void> process(const SensorFrame& frame) override;
+  void on_snapshot(const MapSnapshot& snapshot) override;
+  Result<void> stop() override { return {}; }
+
+ private:
+  Result<void> add_keyframe(const LaserScan& scan);
+  Result<void> close_loops(std::size_t keyframe);
+  [[nodiscard]] NodeId node(std::size_t keyframe) const;
+
+  LaserOptions options_;
+  LaserTracker tracker_;
+  FrontendContext* context_ = nullptr;
+  std::vector<LoopKeyframe> map_;  ///< by keyframe: optimized as far as is known, then by odometry
+  std::size_t optimized_ = 0;      ///< keyframes of which the daemon has told a pose
+};
+
+}  // namespace cairn
