@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <limits>
 
+#include "cairn/evaluation/nearest_pose.hpp"
+
 namespace cairn {
 namespace {
 
@@ -18,32 +20,6 @@ std::string_view described(TrajectoryFormat format) {
     default:
       return "a graph (matched by id)";
   }
-}
-
-// Of poses with the same key the first in the file comes first.
-std::vector<TrajectoryPose> sorted_by_key(const Trajectory& trajectory) {
-  std::vector<TrajectoryPose> poses = trajectory.poses;
-  std::stable_sort(poses.begin(), poses.end(),
-                   [](const TrajectoryPose& a, const TrajectoryPose& b) { return a.key < b.key; });
-  return poses;
-}
-
-std::uint64_t difference(std::uint64_t a, std::uint64_t b) { return a < b ? b - a : a - b; }
-
-// The pose with the nearest key; of equally near ones the earlier, of equal keys the first.
-std::size_t nearest(const std::vector<TrajectoryPose>& poses, std::uint64_t key) {
-  const auto lower_bound = [&](std::uint64_t wanted) {
-    return std::lower_bound(
-        poses.begin(), poses.end(), wanted,
-        [](const TrajectoryPose& pose, std::uint64_t k) { return pose.key < k; });
-  };
-  auto after = lower_bound(key);
-  if (after == poses.begin()) return 0;
-  if (after == poses.end() ||
-      difference(std::prev(after)->key, key) <= difference(after->key, key)) {
-    after = lower_bound(std::prev(after)->key);
-  }
-  return static_cast<std::size_t>(after - poses.begin());
 }
 
 }  // namespace
@@ -63,10 +39,10 @@ Result<Association> associate(const Trajectory& reference, const Trajectory& est
   std::vector<std::size_t> partner(references.size(),
                                    kNobody);  // of a reference pose: the estimate it goes to
   const auto distance = [&](std::size_t r, std::size_t e) {
-    return difference(references[r].key, estimates[e].key);
+    return key_difference(references[r].key, estimates[e].key);
   };
   for (std::size_t e = 0; e < estimates.size() && !references.empty(); ++e) {
-    const std::size_t r = nearest(references, estimates[e].key);
+    const std::size_t r = nearest_pose(references, estimates[e].key);
     if (distance(r, e) > tolerance) continue;
     if (partner[r] == kNobody || distance(r, e) < distance(r, partner[r])) partner[r] = e;
   }

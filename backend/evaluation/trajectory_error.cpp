@@ -10,12 +10,6 @@
 namespace cairn {
 namespace {
 
-void add_error(PoseErrors& errors, const Se3& E, std::size_t at) {
-  errors.translation_m.push_back(E.translation().norm());
-  errors.rotation_deg.push_back(E.rotation().log().norm() * 180.0 / std::numbers::pi);
-  errors.at.push_back(at);
-}
-
 std::vector<PosePair> pairs_by_count(std::size_t poses, std::size_t delta, bool consecutive) {
   std::vector<PosePair> pairs;
   for (std::size_t i = 0; i + delta < poses; i += consecutive ? delta : 1)
@@ -48,11 +42,17 @@ std::vector<PosePair> all_pairs_by_path(std::span<const double> path_m, double d
 
 }  // namespace
 
+void PoseErrors::add(const Se3& E, std::size_t where) {
+  translation_m.push_back(E.translation().norm());
+  rotation_deg.push_back(E.rotation().log().norm() * 180.0 / std::numbers::pi);
+  at.push_back(where);
+}
+
 PoseErrors absolute_errors(std::span<const Se3> reference, std::span<const Se3> estimate) {
   CAIRN_CHECK(reference.size() == estimate.size(), "errors of unmatched trajectories");
   PoseErrors errors;
   for (std::size_t i = 0; i < reference.size(); ++i)
-    add_error(errors, reference[i].inverse() * estimate[i], i);
+    errors.add(reference[i].inverse() * estimate[i], i);
   return errors;
 }
 
@@ -63,7 +63,7 @@ PoseErrors relative_errors(std::span<const Se3> reference, std::span<const Se3> 
   for (const auto& [i, j] : pairs) {
     const Se3 T_ri_rj = reference[i].inverse() * reference[j];
     const Se3 T_ei_ej = estimate[i].inverse() * estimate[j];
-    add_error(errors, T_ri_rj.inverse() * T_ei_ej, j);
+    errors.add(T_ri_rj.inverse() * T_ei_ej, j);
   }
   return errors;
 }

@@ -15,6 +15,9 @@ struct PoseErrors {
   std::vector<double> translation_m;
   std::vector<double> rotation_deg;  ///< 0 .. 180
   std::vector<std::size_t> at;       ///< the pose (the later of a pair) each error belongs to
+
+  /// Appends a difference of poses that belongs to pose `where`.
+  void add(const Se3& E, std::size_t where);
 };
 
 /// Absolute errors: T_reference^-1 * T_estimate, pose by pose. Equal lengths.

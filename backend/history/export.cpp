@@ -12,6 +12,7 @@
 #include "cairn/factors/factor_codec.hpp"
 #include "cairn/history/solve_record.hpp"
 #include "cairn/io/graph_file.hpp"
+#include "cairn/io/time_stamp.hpp"
 #include "cairn/replay/settle.hpp"
 
 namespace cairn {
@@ -133,16 +134,6 @@ std::vector<double> in_space(VariableType type, const std::vector<double>& value
   return pose;
 }
 
-std::string seconds(std::int64_t stamp_ns) {
-  char text[40];
-  const std::uint64_t size = stamp_ns < 0 ? 0 - static_cast<std::uint64_t>(stamp_ns)
-                                          : static_cast<std::uint64_t>(stamp_ns);
-  std::snprintf(text, sizeof text, "%s%llu.%09llu", stamp_ns < 0 ? "-" : "",
-                static_cast<unsigned long long>(size / 1'000'000'000),
-                static_cast<unsigned long long>(size % 1'000'000'000));
-  return text;
-}
-
 // Of one robot, by place in the canonical order.
 std::string tum_text(const Content& content, std::vector<std::size_t> places) {
   const auto node_at = [&](std::size_t place) -> const StoredNode& {
@@ -160,8 +151,8 @@ std::string tum_text(const Content& content, std::vector<std::size_t> places) {
   std::string text;
   for (std::size_t i = 0; i < places.size(); ++i) {
     const StoredNode& node = node_at(places[i]);
-    text +=
-        stamped ? seconds(node.stamp_ns) : std::to_string(epochs.size() > 1 ? i : node.id.index);
+    text += stamped ? format_stamp(node.stamp_ns)
+                    : std::to_string(epochs.size() > 1 ? i : node.id.index);
     for (const double number : in_space(node.type, content.values[places[i]])) {
       char digits[40];
       digits[0] = ' ';

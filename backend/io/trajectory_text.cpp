@@ -3,7 +3,7 @@
 #include <array>
 #include <cmath>
 
-#include "cairn/io/record_scanner.hpp"
+#include "cairn/io/number_line.hpp"
 #include "cairn/io/trajectory.hpp"
 
 namespace cairn {
@@ -12,69 +12,12 @@ namespace {
 constexpr std::size_t kTumFields = 8, kKittiFields = 12;
 // Files round to 4 digits and more; what is further off is no rotation.
 constexpr double kRotationTolerance = 0.01;
-constexpr double kNanosecondsPerSecond = 1e9;
-
-Error error_at(const Record& record, std::string_view file, std::size_t column,
-               std::string message) {
-  return {ErrorCode::kBadInput, std::move(message), place_in(file, record.line_number, column)};
-}
-
-template <std::size_t kCount>
-Result<std::array<Field, kCount>> split(const Record& record, std::string_view file,
-                                        std::string_view expected) {
-  const std::size_t found = count_fields(record) + 1;
-  if (found != kCount) {
-    return error_at(record, file, 1, std::string(expected) + ", found " + std::to_string(found));
-  }
-  std::array<Field, kCount> fields;
-  fields[0] = {record.tag, record.column_of(record.tag.data())};
-  FieldCursor cursor(record);
-  for (std::size_t i = 1; i < kCount; ++i) fields[i] = *cursor.next();
-  return fields;
-}
-
-Result<double> number_in(const Field& field, const Record& record, std::string_view file) {
-  double value;
-  const NumberFault fault = parse_number(field.text, value);
-  if (fault == NumberFault::kNone) return value;
-  return error_at(record, file, field.column, describe_number_fault(fault, field.text));
-}
-
-// `seconds.fraction` to the nanosecond, where a double would round to 0.1 us; other notations
-// through a double.
-std::optional<std::uint64_t> exact_stamp_ns(std::string_view text) {
-  const std::size_t point = std::min(text.find('.'), text.size());
-  std::uint64_t seconds = 0, fraction_ns = 0, unit_ns = 100'000'000;
-  if (point == 0 || point > 10) return std::nullopt;
-  for (const char c : text.substr(0, point)) {
-    if (c < '0' || c > '9') return std::nullopt;
-    seconds = 10 * seconds + static_cast<std::uint64_t>(c - '0');
-  }
-  for (const char c : text.substr(std::min(point + 1, text.size()))) {
-    if (c < '0' || c > '9') return std::nullopt;
-    fraction_ns += unit_ns * static_cast<std::uint64_t>(c - '0');
-    unit_ns /= 10;
-  }
-  return 1'000'000'000 * seconds + fraction_ns;
-}
-
-Result<std::uint64_t> stamp_ns(const Field& field, const Record& record, std::string_view file) {
-  const Result<double> seconds = number_in(field, record, file);
-  if (!seconds) return seconds.error();
-  if (const auto exact = exact_stamp_ns(field.text)) return *exact;
-  if (*seconds < 0.0 || *seconds > 9e9) {
-    return error_at(
-        record, file, field.column,
-        "'" + quote(field.text) + "' is not a time stamp: seconds from 0 to 9e9 are expected");
-  }
-  return static_cast<std::uint64_t>(std::llround(*seconds * kNanosecondsPerSecond));
-}
 
 Result<TrajectoryPose> read_tum(const Record& record, std::string_view file) {
   const auto fields =
       split<kTumFields>(record, file, "a TUM line has 8 numbers (stamp tx ty tz qx qy qz qw)");
   if (!fields) return fields.error();
-  const Result<std::uint64_t> stamp = stamp_ns((*fields)[0], record, file);
+  const Result<std::uint64_t> stamp = stamp_in((*fields)[0], record, file);
   if (!stamp) return stamp.error();
   std::array<double, kTumFields> v;
   for (std::size_t i = 1; i < kTumFields; ++i) {

@@ -3,53 +3,45 @@
 #include <cmath>
 #include <filesystem>
 #include <memory>
-#include <nlohmann/json.hpp>
 #include <string>
 
 #include "cairn/core/exit_code.hpp"
 #include "cairn/core/output_file.hpp"
 #include "cairn/drawing/trajectory_picture.hpp"
-#include "cairn/evaluation/alignment.hpp"
 #include "cairn/evaluation/association.hpp"
-#include "cairn/evaluation/statistics.hpp"
 #include "cairn/evaluation/trajectory_error.hpp"
 #include "clients/cli/choices.hpp"
-#include "clients/cli/console.hpp"
+#include "clients/cli/eval.hpp"
 #include "clients/cli/outputs.hpp"
 #include "clients/cli/verb.hpp"
 
 namespace cairn::cli {
 namespace {
 
-enum class Metric { kAte, kRpe };
-
-const Choices<Metric> kMetrics{{"ate", Metric::kAte}, {"rpe", Metric::kRpe}};
+const Choices<Metric> kMetrics{
+    {"ate", Metric::kAte}, {"rpe", Metric::kRpe}, {"relations", Metric::kRelations}};
 const Choices<std::optional<AlignmentKind>> kAlignments{{"none", AlignmentKind::kNone},
                                                         {"se3", AlignmentKind::kSe3},
                                                         {"sim3", AlignmentKind::kSim3},
                                                         {"yaw", AlignmentKind::kYaw}};
 
-struct EvalArguments {
-  Metric metric = Metric::kAte;
-  std::string reference, estimate;
-  std::optional<AlignmentKind> align;
-  std::string delta = "10m";
-  bool consecutive = true;
-  double max_difference_s = 0.01;
-  std::string json, plot;
-  bool asks_for_pairs = false;
-  bool quiet = false;
+std::string metric_name(const EvalArguments& a) {
+  for (const auto& [name, metric] : kMetrics) {
+    if (metric == a.metric) return name;
+  }
+  return {};
+}
 
-  [[nodiscard]] AlignmentKind alignment() const {
-    return align.value_or(metric == Metric::kAte ? AlignmentKind::kSe3 : AlignmentKind::kNone);
+AlignmentKind alignment_of(const EvalArguments& a) {
+  return a.align.value_or(a.metric == Metric::kAte ? AlignmentKind::kSe3 : AlignmentKind::kNone);
+}
+
+std::string alignment_name(const EvalArguments& a) {
+  for (const auto& [name, kind] : kAlignments) {
+    if (kind == alignment_of(a)) return name;
   }
-  [[nodiscard]] std::string alignment_name() const {
-    for (const auto& [name, kind] : kAlignments) {
-      if (kind == alignment()) return name;
-    }
-    return {};
-  }
-};
+  return {};
+}
 
 struct Evaluation {
   std::size_t unmatched = 0;
@@ -103,13 +95,14 @@ Result<Evaluation> evaluate(const EvalArguments& a, const PairSpacing& spacing) 
   if (!estimate) return estimate.error();
   warn_about(*reference);
   warn_about(*estimate);
-  Result<Association> matches = associate(
-      *reference, *estimate, static_cast<std::uint64_t>(std::llround(1e9 * a.max_difference_s)));
+  Result<Association> matches =
+      associate(*reference, *estimate, a.max_difference_ns(kDefaultMaxDifferenceNs));
   if (!matches) return matches.error();
 
   Evaluation e{.unmatched = matches->unmatched, .matches = std::move(*matches)};
   const bool planar = reference->planar && estimate->planar;
-  const Alignment alignment = align(a.alignment(), e.matches.reference, e.matches.estimate, planar);
+  const Alignment alignment =
+      align(alignment_of(a), e.matches.reference, e.matches.estimate, planar);
   if (!alignment.rotation_determined) {
     Console::warn(
         "the matched positions lie on a line, so they do not tell the whole rotation of the "
@@ -121,42 +114,24 @@ Result<Evaluation> evaluate(const EvalArguments& a, const PairSpacing& spacing) 
   return e;
 }
 
-void print_row(const Console& console, const char* label, const Statistics& s) {
-  char line[160];
-  std::snprintf(line, sizeof line, "%-16s%13.7f%13.7f%13.7f%13.7f%13.7f%13.7f", label, s.mean,
-                s.standard_deviation, s.rmse, s.median, s.min, s.max);
-  console.say(line);
-}
-
 void print_table(const EvalArguments& a, const Evaluation& e) {
   const Console console(a.json == "-" || a.plot == "-", a.quiet);
   const bool absolute = a.metric == Metric::kAte;
   std::string title =
       absolute ? "absolute trajectory error" : "relative pose error over " + a.delta;
-  title += ", aligned by " + a.alignment_name() + ": " + std::to_string(e.errors.at.size()) +
+  title += ", aligned by " + alignment_name(a) + ": " + std::to_string(e.errors.at.size()) +
            (absolute        ? " poses, "
             : a.consecutive ? " consecutive pairs, "
                             : " pairs, ") +
            std::to_string(e.unmatched) + " unmatched";
   console.say(title);
-  char header[160];
-  std::snprintf(header, sizeof header, "%-16s%13s%13s%13s%13s%13s%13s", "", "mean", "std", "rmse",
-                "median", "min", "max");
-  console.say(header);
-  print_row(console, "translation [m]", e.translation_m);
-  print_row(console, "rotation [deg]", e.rotation_deg);
-}
-
-nlohmann::ordered_json json_of(const Statistics& s) {
-  return {{"mean", s.mean}, {"std", s.standard_deviation},
-          {"rmse", s.rmse}, {"median", s.median},
-          {"min", s.min},   {"max", s.max}};
+  print_statistics(console, e.translation_m, e.rotation_deg);
 }
 
 std::string json_text(const EvalArguments& a, const Evaluation& e) {
   nlohmann::ordered_json json;
-  json["metric"] = a.metric == Metric::kAte ? "ate" : "rpe";
-  json["align"] = a.alignment_name();
+  json["metric"] = metric_name(a);
+  json["align"] = alignment_name(a);
   json["pairs"] = e.errors.at.size();
   json["unmatched"] = e.unmatched;
   json["translation"] = json_of(e.translation_m);
@@ -176,22 +151,34 @@ Result<void> draw(const EvalArguments& a, const Evaluation& e) {
   char numbers[160];
   std::snprintf(numbers, sizeof numbers, "rmse %.4g m, median %.4g m, max %.4g m, aligned by %s",
                 e.translation_m.rmse, e.translation_m.median, e.translation_m.max,
-                a.alignment_name().c_str());
+                alignment_name(a).c_str());
   picture.summary = numbers;
   const std::string title = std::filesystem::path(a.estimate).filename().string() + " against " +
                             std::filesystem::path(a.reference).filename().string();
   return draw_trajectory_errors(picture, a.plot, {.title = title});
 }
 
+Result<void> check_relation_options(const EvalArguments& a) {
+  const bool relations = a.metric == Metric::kRelations;
+  if (relations && a.align)
+    return Error{ErrorCode::kUsage, "relations do not depend on the frame; leave out --align"};
+  if (relations && !a.plot.empty())
+    return Error{ErrorCode::kUsage, "relations have no picture; leave out --plot"};
+  if (!relations && (a.worst > 0 || a.strict))
+    return Error{ErrorCode::kUsage, "--worst and --strict belong to relations"};
+  return {};
+}
+
 Result<void> check_arguments(const EvalArguments& a) {
   if (a.reference == "-" && a.estimate == "-") {
     return Error{ErrorCode::kUsage, "standard input ('-') can be read only once"};
   }
-  if (a.metric == Metric::kAte && a.asks_for_pairs) {
+  if (a.metric != Metric::kRpe && a.asks_for_pairs) {
     return Error{ErrorCode::kUsage,
-                 "ate takes the error of every pose; --delta and --pairs belong to rpe"};
+                 metric_name(a) + " takes every error; --delta and --pairs belong to rpe"};
   }
-  if (!(a.max_difference_s >= 0.0 && a.max_difference_s <= 1e9)) {
+  if (Result<void> fits = check_relation_options(a); !fits) return fits;
+  if (const double s = a.max_difference_s.value_or(0.0); !(s >= 0.0 && s <= 1e9)) {
     return Error{ErrorCode::kUsage, "seconds from 0 to 1e9 are expected", "--max-difference"};
   }
   if (!a.plot.empty()) {
@@ -202,6 +189,7 @@ Result<void> check_arguments(const EvalArguments& a) {
 
 int run_eval(const EvalArguments& a) {
   if (Result<void> sound = check_arguments(a); !sound) return fail(sound.error());
+  if (a.metric == Metric::kRelations) return run_relations(a);
   const Result<PairSpacing> spacing = parse_spacing(a);
   if (!spacing) return fail(spacing.error());
   const Result<Evaluation> evaluation = evaluate(a, *spacing);
@@ -216,16 +204,47 @@ int run_eval(const EvalArguments& a) {
 
 }  // namespace
 
+std::uint64_t EvalArguments::max_difference_ns(std::uint64_t otherwise) const {
+  return max_difference_s ? static_cast<std::uint64_t>(std::llround(1e9 * *max_difference_s))
+                          : otherwise;
+}
+
+void print_statistics(const Console& console, const Statistics& translation_m,
+                      const Statistics& rotation_deg) {
+  char line[160];
+  std::snprintf(line, sizeof line, "%-16s%13s%13s%13s%13s%13s%13s", "", "mean", "std", "rmse",
+                "median", "min", "max");
+  console.say(line);
+  const auto print_row = [&](const char* label, const Statistics& s) {
+    std::snprintf(line, sizeof line, "%-16s%13.7f%13.7f%13.7f%13.7f%13.7f%13.7f", label, s.mean,
+                  s.standard_deviation, s.rmse, s.median, s.min, s.max);
+    console.say(line);
+  };
+  print_row("translation [m]", translation_m);
+  print_row("rotation [deg]", rotation_deg);
+}
+
+nlohmann::ordered_json json_of(const Statistics& s) {
+  return {{"mean", s.mean}, {"std", s.standard_deviation},
+          {"rmse", s.rmse}, {"median", s.median},
+          {"min", s.min},   {"max", s.max}};
+}
+
 Run add_eval(CLI::App& parent, CLI::App*& verb) {
   auto a = std::make_shared<EvalArguments>();
   verb = parent.add_subcommand("eval", "measure the error of a trajectory against a reference");
-  add_choice(*verb, "METRIC", a->metric, kMetrics,
-             "ate: error of every pose; rpe: error of the motion between pairs of poses")
+  add_choice(
+      *verb, "METRIC", a->metric, kMetrics,
+      "ate: error of every pose; rpe: error of the motion between pairs of poses; relations: "
+      "error of the motions that the reference lists")
       ->required();
-  verb->add_option("REFERENCE", a->reference, "the truth: a TUM, KITTI or graph file")
+  verb->add_option(
+          "REFERENCE", a->reference,
+          "the truth: a TUM, KITTI or graph file; for relations lines t1 t2 x y z roll pitch "
+          "yaw, or a log with its graph")
       ->required()
       ->type_name("FILE");
-  verb->add_option("ESTIMATE", a->estimate, "what is judged, in the same format")
+  verb->add_option("ESTIMATE", a->estimate, "what is judged, in the same format (relations: TUM)")
       ->required()
       ->type_name("FILE");
   add_choice(*verb, "--align", a->align, kAlignments,
@@ -235,17 +254,21 @@ Run add_eval(CLI::App& parent, CLI::App*& verb) {
   add_choice(*verb, "--pairs", a->consecutive, {{"consecutive", true}, {"all", false}},
              "rpe: pairs that follow each other, or one from every pose");
   verb->add_option("--max-difference", a->max_difference_s,
-                   "seconds between time stamps of one pose (TUM)")
+                   "seconds between time stamps of one pose (TUM): by default 0.01, for relations "
+                   "0.000001")
       ->type_name("S");
+  verb->add_option("--worst", a->worst, "relations: list the N with the largest errors")
+      ->type_name("N");
+  verb->add_flag("--strict", a->strict, "relations: exit code 4 when one lacks a pose");
   verb->add_option("--json", a->json, "write the numbers as JSON; '-' is standard output")
       ->type_name("FILE");
   verb->add_option("--plot", a->plot, "draw both trajectories and the error along the path")
       ->type_name("OUT.svg|OUT.png");
   verb->add_flag("--quiet", a->quiet, "print nothing");
   verb->footer(
-      "Poses are matched by time stamp (TUM), by line (KITTI) or by id (graph files). '-' reads "
-      "one of the "
-      "files from standard input.");
+      "Poses are matched by time stamp (TUM), by line (KITTI) or by id (graph files); relations "
+      "always "
+      "by time stamp. '-' reads one of the files from standard input.");
   return [a, verb] {
     a->asks_for_pairs = verb->count("--delta") + verb->count("--pairs") > 0;
     return run_eval(*a);

@@ -1,164 +1,250 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "frontends/carmen/carmen_log.hpp"
 
-#include <charconv>
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
-#include <string_view>
 
 #include "cairn/io/input_text.hpp"
+#include "frontends/carmen/carmen_line.hpp"
 
 namespace cairn {
 namespace {
 
-constexpr std::size_t kMostBeams = 100'000;
+constexpr double kDegree = std::numbers::pi / 180.0;
+constexpr double kSickMaxRangeM = 80.0;  // 81.91 m is its "no echo"
+constexpr std::size_t kMostChangesTold = 5;
 
-// One line: words and numbers from left to right, with their columns.
-class Line {
- public:
-  Line(std::string_view text, std::string_view file, std::size_t number)
-      : text_(text), file_(file), number_(number) {}
+// What PARAM lines tell.
+struct Parameters {
+  std::optional<double> resolution_deg, max_range_m;
+  double ahead_m = 0.0, sideways_m = 0.0, turned_rad = 0.0;  // the laser on the robot
 
-  std::string_view word() {
-    skip_blanks();
-    const std::size_t first = at_;
-    while (at_ < text_.size() && text_[at_] != ' ' && text_[at_] != '\t' && text_[at_] != '\r')
-      ++at_;
-    last_ = first;
-    return text_.substr(first, at_ - first);
+  void read(const Record& record) {
+    const auto take = [&](std::string_view name, auto& target) {
+      if (const auto value = read_parameter(record, name)) target = *value;
+    };
+    take("laser_front_laser_resolution", resolution_deg);
+    take("robot_front_laser_max", max_range_m);
+    take("robot_frontlaser_offset", ahead_m);
+    take("robot_frontlaser_side_offset", sideways_m);
+    take("robot_frontlaser_angular_offset", turned_rad);
   }
-  /// False, and fault() says why, where there is none.
-  bool number(double& value, const char* what) {
-    const std::string_view text = word();
-    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-    if (error == std::errc() && end == text.data() + text.size()) return true;
-    fail(text.empty() ? "the line ends; expected " + std::string(what)
-                      : "'" + std::string(text.substr(0, 40)) + "' is no number; expected " + what);
-    return false;
-  }
-  bool count(std::size_t& value, const char* what) {
-    double number_read = 0.0;
-    if (!number(number_read, what)) return false;
-    if (number_read >= 0.0 && number_read <= kMostBeams && number_read == std::floor(number_read)) {
-      value = static_cast<std::size_t>(number_read);
-      return true;
-    }
-    fail(std::string(what) + " must be a whole number up to " + std::to_string(kMostBeams));
-    return false;
-  }
-  void fail(std::string message) {
-    fault_ =
-        Error{ErrorCode::kBadInput, std::move(message),
-              std::string(file_) + ':' + std::to_string(number_) + ':' + std::to_string(last_ + 1)};
-  }
-  [[nodiscard]] const Error& fault() const { return fault_; }
-
- private:
-  void skip_blanks() {
-    while (at_ < text_.size() && (text_[at_] == ' ' || text_[at_] == '\t' || text_[at_] == '\r'))
-      ++at_;
-  }
-
-  std::string_view text_, file_;
-  std::size_t number_, at_ = 0, last_ = 0;
-  Error fault_{ErrorCode::kBadInput, ""};
+  [[nodiscard]] Se2 T_robot_laser() const { return {ahead_m, sideways_m, turned_rad}; }
 };
 
-bool read_pose(Line& line, Se2& T, const char* what) {
-  double x = 0.0, y = 0.0, theta = 0.0;
-  if (!line.number(x, what) || !line.number(y, what) || !line.number(theta, what)) return false;
-  T = Se2(x, y, theta);
-  return true;
-}
+struct ReadLine {
+  ScanLine line;
+  std::optional<Se2> T_odom_robot;  // of the last ODOM line before
+};
 
-bool read_ranges(Line& line, std::size_t count, LaserScan& scan) {
-  scan.ranges_m.reserve(count);
-  for (std::size_t i = 0; i < count; ++i) {
-    double range = 0.0;
-    if (!line.number(range, "a reading")) return false;
-    scan.ranges_m.push_back(static_cast<float>(range));
+// Reads line by line, then decides what all of them mean together.
+class LogReader {
+ public:
+  LogReader(const std::string& name, const CarmenOptions& options) : options_(options) {
+    log_.name = name;
   }
-  return true;
-}
 
-bool read_stamp(Line& line, std::int64_t& stamp_ns) {
-  double seconds = 0.0;
-  if (!line.number(seconds, "the time stamp in seconds")) return false;
-  if (!(std::abs(seconds) < 9e9)) {
-    line.fail("the time stamp is out of range");
-    return false;
+  Result<void> add(const Record& record) {
+    for (std::size_t kind = 0; kind < kScanTags.size(); ++kind) {
+      if (record.tag != kScanTags[kind]) continue;
+      Result<ScanLine> line = read_scan_line(record, static_cast<ScanKind>(kind), log_.name);
+      if (!line) return line.error();
+      lines_[kind].push_back({std::move(*line), T_odom_robot_});
+      return {};
+    }
+    if (record.tag == "PARAM") parameters_.read(record);
+    if (record.tag != "ODOM") return {};
+    const Result<std::optional<Se2>> T_odom_robot = read_odometry_line(record, log_.name);
+    if (!T_odom_robot) return T_odom_robot.error();
+    T_odom_robot_ = *T_odom_robot;
+    return {};
   }
-  stamp_ns = std::llround(seconds * 1e9);
-  return true;
-}
 
-// FLASER n r1 .. rn  x y theta  odom_x odom_y odom_theta  ipc_stamp host logger_stamp
-bool read_flaser(Line& line, LaserScan& scan) {
-  std::size_t count = 0;
-  if (!line.count(count, "the number of readings")) return false;
-  scan.angle_step_rad = count > 181 ? 0.5 * std::numbers::pi / 180.0 : std::numbers::pi / 180.0;
-  scan.first_angle_rad = -0.5 * std::numbers::pi;
-  scan.max_range_m = 80.0;
-  Se2 T_odom_laser, T_odom_robot;
-  if (!read_ranges(line, count, scan) || !read_pose(line, T_odom_laser, "the laser's pose") ||
-      !read_pose(line, T_odom_robot, "the robot's pose") || !read_stamp(line, scan.stamp_ns))
-    return false;
-  scan.T_odom_laser = T_odom_laser;
-  return true;
-}
+  void leave_out_cut_line(const Record& record, const Error& error) {
+    log_.warnings.push_back(error.to_string() + "; the log was cut in this " +
+                            std::string(record.tag) + " line, which is left out");
+  }
 
-// ROBOTLASER1 type first_angle field_of_view step max_range accuracy remission_mode
-//   n r1 .. rn  m e1 .. em  laser pose  robot pose  tv rv forward side turn  stamp host stamp
-bool read_robotlaser(Line& line, LaserScan& scan) {
-  double type = 0.0, field = 0.0, accuracy = 0.0, mode = 0.0;
-  std::size_t count = 0, remissions = 0;
-  if (!line.number(type, "the laser's type") ||
-      !line.number(scan.first_angle_rad, "the first angle") ||
-      !line.number(field, "the field of view") ||
-      !line.number(scan.angle_step_rad, "the angular resolution") ||
-      !line.number(scan.max_range_m, "the largest range") ||
-      !line.number(accuracy, "the accuracy") || !line.number(mode, "the remission mode") ||
-      !line.count(count, "the number of readings") || !read_ranges(line, count, scan) ||
-      !line.count(remissions, "the number of remissions"))
-    return false;
-  double ignored = 0.0;
-  for (std::size_t i = 0; i < remissions; ++i)
-    if (!line.number(ignored, "a remission")) return false;
-  Se2 T_odom_laser, T_odom_robot;
-  if (!read_pose(line, T_odom_laser, "the laser's pose") ||
-      !read_pose(line, T_odom_robot, "the robot's pose"))
-    return false;
-  for (int i = 0; i < 5; ++i)
-    if (!line.number(ignored, "velocities and distances")) return false;
-  if (!read_stamp(line, scan.stamp_ns)) return false;
-  scan.T_odom_laser = T_odom_laser;
-  return true;
-}
+  Result<CarmenLog> finish() {
+    const auto chosen = std::find_if(lines_.begin(), lines_.end(),
+                                     [](const auto& lines) { return !lines.empty(); });
+    if (chosen == lines_.end()) {
+      return Error{ErrorCode::kBadInput,
+                   "no laser scan in it; ROBOTLASER1, FLASER or RAWLASER1 lines of a CARMEN log "
+                   "are expected",
+                   place_in(log_.name, 1, 1)};
+    }
+    const auto kind = static_cast<std::size_t>(chosen - lines_.begin());
+    tell_other_kinds(kind);
+    for (ReadLine& read : *chosen)
+      if (Result<void> complete = complete_scan(read.line); !complete) return complete.error();
+    place_scans(*chosen);
+    tell_changes(*chosen);
+    for (ReadLine& read : *chosen) log_.scans.push_back(std::move(read.line.scan));
+    return std::move(log_);
+  }
+
+ private:
+  void warn(const ScanLine& at, const std::string& message) {
+    log_.warnings.push_back(place_in(log_.name, at.line, at.readings_column) + ": " + message);
+  }
+
+  void tell_other_kinds(std::size_t chosen) {
+    for (std::size_t kind = chosen + 1; kind < lines_.size(); ++kind) {
+      if (lines_[kind].empty()) continue;
+      warn(lines_[kind].front().line, std::to_string(lines_[kind].size()) + " " +
+                                          std::string(kScanTags[kind]) +
+                                          " lines are left out: " + std::string(kScanTags[chosen]) +
+                                          " lines are taken to hold the same scans");
+    }
+  }
+
+  // FLASER lines say nothing of angles: half a circle, or what PARAM or the caller says.
+  Result<void> complete_scan(ScanLine& line) {
+    LaserScan& scan = line.scan;
+    if (scan.angle_step_rad > 0.0) return {};
+    const auto count = static_cast<double>(scan.ranges_m.size());
+    scan.max_range_m = parameters_.max_range_m.value_or(kSickMaxRangeM);
+    if (options_.field_of_view_rad) {
+      scan.angle_step_rad = *options_.field_of_view_rad / (count - 1.0);
+    } else if (count == 180.0 || count == 181.0 || count == 360.0 || count == 361.0) {
+      scan.angle_step_rad = (count < 200.0 ? 1.0 : 0.5) * kDegree;
+      scan.first_angle_rad = -90.0 * kDegree;
+      return {};
+    } else if (parameters_.resolution_deg && *parameters_.resolution_deg > 0.0 &&
+               *parameters_.resolution_deg * (count - 1.0) <= 361.0) {
+      scan.angle_step_rad = *parameters_.resolution_deg * kDegree;
+    } else {
+      return Error{ErrorCode::kBadInput,
+                   "FLASER with " + std::to_string(scan.ranges_m.size()) +
+                       " readings does not tell its angles: 180, 181, 360 or 361 are half a "
+                       "circle; for others give the field of view, or a line 'PARAM "
+                       "laser_front_laser_resolution DEGREES'",
+                   place_in(log_.name, line.line, line.readings_column)};
+    }
+    scan.first_angle_rad = -0.5 * (count - 1.0) * scan.angle_step_rad;
+    return {};
+  }
+
+  // Where odometry says the laser was: the line's first pose, unless another program has corrected
+  // that, or there is none.
+  void place_scans(std::vector<ReadLine>& lines) {
+    const Se2 T_robot_laser = parameters_.T_robot_laser();
+    if (has_no_odometry(lines)) {
+      const bool from_odom =
+          std::any_of(lines.begin(), lines.end(), [](const ReadLine& l) { return l.T_odom_robot; });
+      for (ReadLine& read : lines) {
+        read.line.scan.T_odom_laser.reset();
+        if (read.T_odom_robot) read.line.scan.T_odom_laser = *read.T_odom_robot * T_robot_laser;
+      }
+      if (!from_odom) warn(lines.front().line, "the log has no odometry: all its poses are 0");
+      return;
+    }
+    const bool corrected = is_corrected(lines);
+    for (ReadLine& read : lines) {
+      ScanLine& line = read.line;
+      if (!corrected) line.scan.T_odom_laser = line.T_odom_laser;
+      if (corrected && line.T_odom_robot)
+        line.scan.T_odom_laser = *line.T_odom_robot * T_robot_laser;
+    }
+    if (corrected)
+      warn(lines.front().line,
+           "the laser's poses do not stay in place on the robot: another program has corrected "
+           "them; odometry is taken from the robot's poses");
+  }
+
+  static bool has_no_odometry(const std::vector<ReadLine>& lines) {
+    const auto nowhere = [](const std::optional<Se2>& T) {
+      return !T || T->to_vector().isZero(0.0);
+    };
+    return std::all_of(lines.begin(), lines.end(), [&](const ReadLine& read) {
+      return nowhere(read.line.T_odom_laser) && nowhere(read.line.T_odom_robot);
+    });
+  }
+
+  // Whether the laser moves about on the robot, by more than rounding does. Robot poses that are
+  // all 0 were not written.
+  static bool is_corrected(const std::vector<ReadLine>& lines) {
+    constexpr double kApartM = 0.01, kApartRad = 0.01;
+    std::optional<Se2> first;
+    bool moves = false, robot_written = false;
+    for (const ReadLine& read : lines) {
+      if (!read.line.T_odom_laser || !read.line.T_odom_robot) continue;
+      robot_written = robot_written || !read.line.T_odom_robot->to_vector().isZero(0.0);
+      const Se2 T_robot_laser = read.line.T_odom_robot->inverse() * *read.line.T_odom_laser;
+      if (!first) first = T_robot_laser;
+      const Se2 change = first->inverse() * T_robot_laser;
+      moves =
+          moves || change.translation().norm() > kApartM || std::abs(change.theta()) > kApartRad;
+    }
+    return moves && robot_written;
+  }
+
+  void tell_changes(const std::vector<ReadLine>& lines) {
+    std::size_t odd = 0, lost = 0, changes = 0;
+    const ScanLine *first_odd = nullptr, *first_lost = nullptr;
+    for (std::size_t i = 0; i < lines.size(); ++i) {
+      const ScanLine& line = lines[i].line;
+      odd += line.odd_readings;
+      if (line.odd_readings && !first_odd) first_odd = &line;
+      const bool is_lost = i > 0 && lines[0].line.scan.T_odom_laser && !line.scan.T_odom_laser;
+      lost += is_lost;
+      if (is_lost && !first_lost) first_lost = &line;
+      if (i == 0) continue;
+      const std::size_t before = lines[i - 1].line.scan.ranges_m.size();
+      const std::size_t now = line.scan.ranges_m.size();
+      if (before != now && ++changes <= kMostChangesTold)
+        warn(line, "from here on a scan has " + std::to_string(now) + " readings, before " +
+                       std::to_string(before));
+    }
+    if (changes > kMostChangesTold)
+      log_.warnings.push_back(log_.name + ": the number of readings changes " +
+                              std::to_string(changes) + " times");
+    if (odd)
+      warn(*first_odd, std::to_string(odd) +
+                           " readings are negative or no number, the first in this line; they are "
+                           "taken as no echo");
+    if (lost)
+      warn(*first_lost, std::to_string(lost) +
+                            " scans have an odometry that is not finite, the first in this line; "
+                            "it is left out");
+  }
+
+  CarmenOptions options_;
+  CarmenLog log_;
+  Parameters parameters_;
+  std::optional<Se2> T_odom_robot_;
+  std::array<std::vector<ReadLine>, kScanTags.size()> lines_;
+};
 
 }  // namespace
 
-Result<void> read_carmen_log(const std::string& path,
-                             const std::function<void(LaserScan&&)>& on_scan) {
+Result<CarmenLog> read_carmen_text(std::string_view text, const std::string& name,
+                                   const CarmenOptions& options) {
+  if (const double view = options.field_of_view_rad.value_or(1.0);
+      !(view > 0.0 && view <= 2.01 * std::numbers::pi))
+    return Error{ErrorCode::kUsage, "a field of view above 0 and up to 360 deg is expected"};
+  LogReader reader(name, options);
+  RecordScanner scanner(text);
+  Record record;
+  while (scanner.next(record)) {
+    const Result<void> added = reader.add(record);
+    if (added) continue;
+    const char* behind = record.line.data() + record.line.size();
+    const bool is_cut =
+        text.find('\n', static_cast<std::size_t>(behind - text.data())) == std::string_view::npos;
+    if (!is_cut) return added.error();
+    reader.leave_out_cut_line(record, added.error());
+  }
+  return reader.finish();
+}
+
+Result<CarmenLog> read_carmen_log(const std::string& path, const CarmenOptions& options) {
   const Result<InputText> text = read_input_text(path);
   if (!text) return text.error();
-  const std::string name = input_name(path);
-  std::size_t number = 0;
-  for (std::string_view rest = text->view; !rest.empty();) {
-    const std::size_t end = std::min(rest.find('\n'), rest.size());
-    Line line(rest.substr(0, end), name, ++number);
-    rest.remove_prefix(std::min(end + 1, rest.size()));
-    const std::string_view tag = line.word();
-    LaserScan scan;
-    if (tag == "FLASER") {
-      if (!read_flaser(line, scan)) return line.fault();
-    } else if (tag == "ROBOTLASER1") {
-      if (!read_robotlaser(line, scan)) return line.fault();
-    } else {
-      continue;
-    }
-    on_scan(std::move(scan));
-  }
-  return {};
+  return read_carmen_text(text->view, input_name(path), options);
 }
 
 }  // namespace cairn

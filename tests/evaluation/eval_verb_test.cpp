@@ -78,6 +78,40 @@ TEST_F(Eval, RefusesSpacingsThatAreNone) {
   EXPECT_EQ(run_cairn({"eval", "sideways", reference(), estimate()}).exit_code, 2);
 }
 
+TEST_F(Eval, RelationsAreMatchedByStampAndListedFromTheWorst) {
+  const std::string truth =
+      folder_.write("truth.relations", "0 1 1 0 0 0 0 0\n1 2 1.5 0 0 0 0 0\n2 5 0 0 0 0 0 0\n");
+  const std::string json_path = folder_.file("out.json");
+  const auto run =
+      run_cairn({"eval", "relations", truth, reference(), "--json", json_path, "--worst", "1"});
+  EXPECT_EQ(run.exit_code, 0) << run.err;
+  EXPECT_THAT(run.out, HasSubstr("error of relations: 2 relations, 1 unmatched"));
+  EXPECT_THAT(run.out, HasSubstr("truth.relations:2: 0.5000 m, 0.000 deg from 1.000000000 2.0"));
+  EXPECT_THAT(run.err, HasSubstr("truth.relations:3: 1 of 3 relations lack a pose in "));
+  const auto json = nlohmann::json::parse(read_file(json_path));
+  EXPECT_EQ(json["metric"], "relations");
+  EXPECT_EQ(json["align"], "none");
+  EXPECT_EQ(json["pairs"], 2);
+  EXPECT_EQ(json["unmatched"], 1);
+  EXPECT_EQ(json["translation"]["mean"], 0.25);
+  EXPECT_EQ(json["translation"]["std"], 0.25);
+  EXPECT_EQ(json["rotation"]["max"], 0.0);
+  EXPECT_EQ(json["worst"][0]["line"], 2);
+  EXPECT_EQ(run_cairn({"eval", "relations", truth, reference(), "--strict"}).exit_code, 4);
+}
+
+TEST_F(Eval, RelationsThatAllLackAPoseAreNotUsable) {
+  const std::string truth = folder_.write("truth.relations", "50 51 1 0 0 0 0 0\n");
+  const auto run = run_cairn({"eval", "relations", truth, reference(), "--json", "-"});
+  EXPECT_EQ(run.exit_code, 4);
+  EXPECT_TRUE(nlohmann::json::parse(run.out)["translation"]["mean"].is_null());
+  EXPECT_THAT(run.err, HasSubstr("no relation has both its poses in "));
+  EXPECT_EQ(run_cairn({"eval", "relations", truth, reference(), "--align", "se3"}).exit_code, 2);
+  EXPECT_EQ(run_cairn({"eval", "relations", truth, reference(), "--plot", "a.svg"}).exit_code, 2);
+  EXPECT_EQ(run_cairn({"eval", "relations", truth, reference(), "--delta", "5"}).exit_code, 2);
+  EXPECT_EQ(run_cairn({"eval", "ate", reference(), reference(), "--worst", "5"}).exit_code, 2);
+}
+
 TEST_F(Eval, GivesThePublishedNumbersByDefault) {
   CAIRN_REQUIRE_DATASET(truth, "trajectories/KITTI_00_gt.txt");
   CAIRN_REQUIRE_DATASET(orb, "trajectories/KITTI_00_ORB.txt");
