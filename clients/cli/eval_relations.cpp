@@ -4,6 +4,7 @@
 #include "cairn/core/exit_code.hpp"
 #include "cairn/core/output_file.hpp"
 #include "cairn/evaluation/relations.hpp"
+#include "cairn/io/input_text.hpp"
 #include "cairn/io/time_stamp.hpp"
 #include "clients/cli/eval.hpp"
 #include "clients/cli/verb.hpp"
@@ -94,7 +95,7 @@ Result<void> judge_unmatched(const RelationReport& r) {
       (none ? "no relation has"
             : std::to_string(r.found.unmatched.size()) + " of " +
                   std::to_string(r.reference.relations.size()) + " relations lack") +
-      std::string(none ? " both its poses in " : " a pose in ") + r.a.estimate +
+      std::string(none ? " both its poses in " : " a pose in ") + input_name(r.a.estimate) +
       (none ? "; do both use the same clock, and are stamps written to the microsecond?"
             : ", the first from " + r.stamps(first));
   if (none || r.a.strict) return Error{ErrorCode::kNotUsable, message, r.place(first)};
