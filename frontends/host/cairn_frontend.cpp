@@ -54,7 +54,7 @@ int run(Arguments& a) {
   }
   auto frontend = cairn::make_frontend(a.frontend);
   if (!frontend) return cairn::fail(frontend.error());
-  auto input = cairn::open_log(a.input);
+  auto input = cairn::open_input(a.input);
   if (!input) return cairn::fail(input.error());
   a.host.roles = {a.role != "loop-closer", a.role != "tracker"};
   a.host.spool = a.spool;
@@ -88,7 +88,7 @@ int main(int argc, char** argv) {
   app.add_option("FRONTEND", a.frontend, "laser, or the path of a shared object")
       ->required()
       ->default_str("");
-  app.add_option("--input", a.input, "CARMEN log (text, .gz, .bz2)")
+  app.add_option("--input", a.input, "CARMEN log (text, .gz, .bz2), or simulated:SEED")
       ->required()
       ->default_str("")
       ->type_name("LOG");

@@ -1,17 +1,20 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "frontends/host/frame_source.hpp"
 
+#include <charconv>
+#include <cstdio>
 #include <utility>
 #include <vector>
 
 #include "frontends/carmen/carmen_log.hpp"
+#include "frontends/simulated/simulated_drive.hpp"
 
 namespace cairn {
 namespace {
 
-class LogSource final : public FrameSource {
+class ScanSource final : public FrameSource {
  public:
-  explicit LogSource(std::vector<LaserScan> scans) : scans_(std::move(scans)) {}
+  explicit ScanSource(std::vector<LaserScan> scans) : scans_(std::move(scans)) {}
   Result<std::optional<SensorFrame>> next() override {
     if (next_ == scans_.size()) return std::optional<SensorFrame>();
     return std::optional<SensorFrame>(std::move(scans_[next_++]));
@@ -22,17 +25,31 @@ class LogSource final : public FrameSource {
   std::size_t next_ = 0;
 };
 
-}  // namespace
+Result<std::unique_ptr<FrameSource>> open_simulation(const std::string& seed) {
+  DriveOptions options;
+  const auto [end, error] = std::from_chars(seed.data(), seed.data() + seed.size(), options.seed);
+  if (!seed.empty() && (error != std::errc() || end != seed.data() + seed.size()))
+    return Error{ErrorCode::kUsage, "the seed '" + seed.substr(0, 40) +
+                                        "' of the simulation is no whole number; expected "
+                                        "simulated or simulated:SEED"};
+  return std::unique_ptr<FrameSource>(std::make_unique<ScanSource>(simulate_drive(options).scans));
+}
 
 Result<std::unique_ptr<FrameSource>> open_log(const std::string& path) {
-  std::vector<LaserScan> scans;
-  const Result<void> read =
-      read_carmen_log(path, [&](LaserScan&& scan) { scans.push_back(std::move(scan)); });
-  if (!read) return read.error();
-  if (scans.empty())
-    return Error{ErrorCode::kBadInput,
-                 "no laser scan in it; expected FLASER or ROBOTLASER1 lines of a CARMEN log", path};
-  return std::unique_ptr<FrameSource>(std::make_unique<LogSource>(std::move(scans)));
+  Result<CarmenLog> log = read_carmen_log(path);
+  if (!log) return log.error();
+  for (const std::string& warning : log->warnings)
+    std::fprintf(stderr, "warning: %s\n", warning.c_str());
+  return std::unique_ptr<FrameSource>(std::make_unique<ScanSource>(std::move(log->scans)));
+}
+
+}  // namespace
+
+Result<std::unique_ptr<FrameSource>> open_input(const std::string& name) {
+  const std::string simulated = "simulated";
+  if (name == simulated) return open_simulation("");
+  if (name.starts_with(simulated + ":")) return open_simulation(name.substr(simulated.size() + 1));
+  return open_log(name);
 }
 
 }  // namespace cairn

@@ -18,7 +18,8 @@ class FrameSource {
   virtual Result<std::optional<SensorFrame>> next() = 0;
 };
 
-/// The scans of a CARMEN log.
-Result<std::unique_ptr<FrameSource>> open_log(const std::string& path);
+/// "simulated" or "simulated:SEED": a drive through an office floor; anything else is the path of a
+/// CARMEN log. What a log's reader warns of goes to standard error.
+Result<std::unique_ptr<FrameSource>> open_input(const std::string& name);
 
 }  // namespace cairn

@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "frontends/laser/laser_frontend.hpp"
 
+#include <algorithm>
 #include <utility>
 
 #include "cairn/factors/build_transaction.hpp"
+#include "cairn/maps/range_scan.hpp"
 
 namespace cairn {
 
@@ -35,17 +37,37 @@ Result<void> LaserFrontend::add_keyframe(const LaserScan& scan) {
     T_map_laser = map_.back().T_map_laser * step;
   }
   map_.push_back({T_map_laser, &keyframes[newest].points});
-  if (newest >= context_->keyframes_before()) {
-    Transaction transaction;
-    add_pose(transaction, node(newest), keyframes[newest].T_odom_laser, scan.stamp_ns);
-    transaction.variables.back().odometry = transaction.variables.back().start;
-    if (newest > 0)
-      add_between(transaction, node(newest - 1), node(newest), step,
-                  options_.independent_share * keyframes[newest].information,
-                  FactorKind::kOdometry);
-    if (auto sent = context_->submit_keyframe(std::move(transaction)); !sent) return sent;
-  }
+  if (auto sent = submit_keyframe(scan, step); !sent) return sent;
   return context_->roles().loop_closer ? close_loops(newest) : Result<void>();
+}
+
+// What a run before this one has submitted is not sent again, but for the first scan, which the
+// second keyframe names.
+Result<void> LaserFrontend::submit_keyframe(const LaserScan& scan, const Se2& step) {
+  const auto& keyframes = tracker_.keyframes();
+  const std::size_t newest = keyframes.size() - 1;
+  if (newest > 0 && newest < context_->keyframes_before()) return {};
+  const Result<std::string> bytes = encode(RangeScan{.first_angle_rad = scan.first_angle_rad,
+                                                     .angle_step_rad = scan.angle_step_rad,
+                                                     .max_range_m = scan.max_range_m,
+                                                     .T_body_laser = Se2(),
+                                                     .ranges_m = scan.ranges_m});
+  if (!bytes) return bytes.error();
+  const Result<ContentHash> hash = context_->send_payload(std::string(kRangeScanPayload), *bytes);
+  if (!hash) return hash.error();
+  if (newest == 0) first_scan_ = *hash;
+  if (newest < context_->keyframes_before()) return {};
+  Transaction transaction;
+  add_pose(transaction, node(newest), keyframes[newest].T_odom_laser, scan.stamp_ns);
+  transaction.variables.back().odometry = transaction.variables.back().start;
+  if (newest > 0) {
+    add_between(transaction, node(newest - 1), node(newest), step,
+                options_.independent_share * keyframes[newest].information, FactorKind::kOdometry);
+    std::vector<ContentHash>& payloads = transaction.factors.back().payloads;
+    if (first_scan_) payloads.push_back(*std::exchange(first_scan_, std::nullopt));
+    payloads.push_back(*hash);
+  }
+  return context_->submit_keyframe(std::move(transaction));
 }
 
 Result<void> LaserFrontend::close_loops(std::size_t keyframe) {

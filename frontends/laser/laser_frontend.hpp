@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "frontends/api/frontend.hpp"
@@ -29,6 +30,7 @@ class LaserFrontend final : public Frontend {
 
  private:
   Result<void> add_keyframe(const LaserScan& scan);
+  Result<void> submit_keyframe(const LaserScan& scan, const Se2& T_before_newest);
   Result<void> close_loops(std::size_t keyframe);
   [[nodiscard]] NodeId node(std::size_t keyframe) const;
 
@@ -36,7 +38,9 @@ class LaserFrontend final : public Frontend {
   LaserTracker tracker_;
   FrontendContext* context_ = nullptr;
   std::vector<LoopKeyframe> map_;  ///< by keyframe: optimized as far as is known, then by odometry
-  std::size_t optimized_ = 0;      ///< keyframes of which the daemon has told a pose
+  std::optional<ContentHash>
+      first_scan_;             ///< named by the second keyframe: the first has no factor
+  std::size_t optimized_ = 0;  ///< keyframes of which the daemon has told a pose
 };
 
 }  // namespace cairn

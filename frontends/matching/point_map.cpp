@@ -42,17 +42,14 @@ int PointMap::row(double y) const { return static_cast<int>((y - origin_.y()) / 
 const SurfacePoint* PointMap::nearest(const Eigen::Vector2d& position,
                                       const Eigen::Vector2d& normal, double within_m) const {
   const Eigen::Vector2d in_grid = (position - origin_) / reach_;
-  if (!(in_grid.x() >= 1.0 - 1.0) || !(in_grid.y() >= 0.0) || in_grid.x() >= columns_ ||
+  if (!(in_grid.x() >= 0.0) || !(in_grid.y() >= 0.0) || in_grid.x() >= columns_ ||
       in_grid.y() >= rows_)
     return nullptr;
-  const int c = static_cast<int>(in_grid.x()), r = static_cast<int>(in_grid.y());
   const double w = within_m / reach_;
   const int first_c = std::max(0, static_cast<int>(in_grid.x() - w));
   const int last_c = std::min(columns_ - 1, static_cast<int>(in_grid.x() + w));
   const int first_r = std::max(0, static_cast<int>(in_grid.y() - w));
   const int last_r = std::min(rows_ - 1, static_cast<int>(in_grid.y() + w));
-  (void)c;
-  (void)r;
   const SurfacePoint* best = nullptr;
   double least = within_m * within_m;
   for (int y = first_r; y <= last_r; ++y) {
