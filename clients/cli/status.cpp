@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <sys/ioctl.h>
 #include <unistd.h>
 
 #include <cstdio>
@@ -6,6 +7,7 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <sstream>
 #include <string>
 #include <thread>
 
@@ -104,11 +106,16 @@ void print(const Json& status, bool as_json) {
   std::fputs((as_json ? dump(status) + '\n' : text_of_status(status)).c_str(), stdout);
 }
 
-// In place, without a flicker: what is left of the last one is cleared behind each line.
+// In place, without a flicker: what is left of the last one is cleared behind each line. What does
+// not fit is cut off: a terminal that scrolls would keep it.
 void draw(const std::string& text) {
-  std::string lines = "\x1b[H";
-  for (const char c : text) lines += c == '\n' ? "\x1b[K\n" : std::string(1, c);
-  std::fputs((lines + "\x1b[J").c_str(), stdout);
+  winsize size{};
+  if (ioctl(STDOUT_FILENO, TIOCGWINSZ, &size) != 0 || size.ws_row < 2) size = {24, 80, 0, 0};
+  std::istringstream lines(text);
+  std::string all = "\x1b[H", line;
+  for (int row = 1; row < size.ws_row && std::getline(lines, line); ++row)
+    all += line.substr(0, size.ws_col) + "\x1b[K\n";
+  std::fputs((all + "\x1b[J").c_str(), stdout);
 }
 
 int watch(Client& client, const StatusArguments& a) {
@@ -118,8 +125,10 @@ int watch(Client& client, const StatusArguments& a) {
   while (!InterruptGuard::interrupted()) {
     const auto next = std::chrono::steady_clock::now() + std::chrono::duration<double>(*a.every_s);
     const Result<Json> status = status_of_daemon(client, std::chrono::seconds(5));
-    if (!status)
-      (void)fail(status.error());  // it may come back
+    if (!status && in_place)  // it may come back
+      draw(status.error().to_string());
+    else if (!status)
+      (void)fail(status.error());
     else if (a.json)
       std::printf("%s\n", dump(*status, -1).c_str());
     else if (in_place)

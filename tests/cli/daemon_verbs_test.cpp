@@ -111,11 +111,13 @@ TEST_F(DaemonVerbs, WatchesTheStatus) {
   start();
   ASSERT_EQ(replay({file("grid.g2o")}).exit_code, 0);
   Process watching(cairn_command({"status", "--watch", "0.1", "--json", "--domain", own_domain()}));
-  const auto lines = [&] {
+  // Trust is measured after the map was settled.
+  const auto seen_enough = [&] {
     const std::string out = watching.out();
-    return std::count(out.begin(), out.end(), '\n');
+    return out.find("sigma_factor") != std::string::npos &&
+           std::count(out.begin(), out.end(), '\n') >= 3;
   };
-  for (int i = 0; i < 2000 && lines() < 3; ++i)
+  for (int i = 0; i < 2000 && !seen_enough(); ++i)
     std::this_thread::sleep_for(std::chrono::milliseconds(10));
   const ProcessResult seen = watching.end(SIGINT);
   EXPECT_EQ(seen.exit_code, 0) << seen.err;
@@ -134,6 +136,12 @@ TEST_F(DaemonVerbs, WatchesTheStatus) {
     EXPECT_EQ(status["sources"][0]["quarantined"], 0);
   }
   EXPECT_GE(count, 3);
+  const auto trust = json::parse(ask({"status", "--json"}).out)["trust"];
+  ASSERT_EQ(trust.size(), 2u);
+  EXPECT_EQ(trust[0]["source"], "replay-grid");
+  EXPECT_EQ(trust[0]["robot"], "grid");
+  EXPECT_EQ(trust[1]["kind"], "loop");
+  EXPECT_NEAR(trust[1]["sigma_factor"].get<double>(), 1.0, 0.3) << "simulated noise is as stated";
   EXPECT_EQ(ask({"status", "--watch", "nonsense"}).exit_code, 2);
   EXPECT_EQ(ask_folder({"status", "--watch"}).exit_code, 2);
   EXPECT_THAT(ask({"status"}).out, HasSubstr("receipts   p50 "));
