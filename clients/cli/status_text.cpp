@@ -113,7 +113,7 @@ std::string ms_text(double ms) { return number_text(ms < 100.0 ? "%.3g" : "%.0f"
 
 std::string latency_text(const Json& latency) {
   const std::uint64_t count = latency.value("count", std::uint64_t{0});
-  if (count == 0) return "none";
+  if (count == 0) return "none in the last minute";
   return "p50 " + ms_text(latency.value("p50_ms", 0.0)) + ", p99 " +
          ms_text(latency.value("p99_ms", 0.0)) + ", at most " +
          ms_text(latency.value("max_ms", 0.0)) + " ms (" + std::to_string(count) + ')';
@@ -135,9 +135,8 @@ std::string vitals_text(const Json& status) {
                                text_of(part(queues, "payloads")) + " payloads (" +
                                size_text(queues.value("payload_bytes", std::uint64_t{0})) + ')');
   if (const Json latency = part(status, "latency"); latency.is_object()) {
-    text += line("receipts", latency_text(part(latency, "receipt")) + " in the last minute");
-    text += line("closures",
-                 latency_text(part(latency, "closure_to_poses")) + " until their poses were out");
+    text += line("receipts", latency_text(part(latency, "receipt")));
+    text += line("closures", latency_text(part(latency, "closure_to_poses")));
   }
   return text;
 }
