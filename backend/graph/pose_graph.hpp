@@ -23,6 +23,8 @@ struct StoredNode {
   std::int64_t stamp_ns;
   std::vector<double> start;
   std::vector<double> odometry;
+  /// Its scans and images, as factors name them (README.md); ascending, each once.
+  std::vector<ContentHash> payloads{};
 };
 
 /// Whether a factor takes part in the estimate: committed and trusted ones do. A loop closure is

@@ -168,6 +168,21 @@ void MapHead::advance(const Revision& revision) {
   last_input_ = revision.number;
 }
 
+// The last payload is of the last pose, the one before it of the pose before, and so on.
+void MapHead::note_payloads(std::span<const ContentHash> payloads,
+                            std::span<const NodeIndex> nodes) {
+  for (auto node = nodes.rbegin(); node != nodes.rend() && !payloads.empty(); ++node) {
+    if (!is_pose(graph_.nodes[*node].type)) continue;
+    const ContentHash payload = payloads.back();
+    payloads = payloads.first(payloads.size() - 1);
+    const auto& known = graph_.nodes[*node].payloads;
+    const auto place = std::lower_bound(known.begin(), known.end(), payload) - known.begin();
+    if (place < std::ssize(known) && known[static_cast<std::size_t>(place)] == payload) continue;
+    auto& all = graph_.nodes.edit(*node).payloads;
+    all.insert(all.begin() + place, payload);
+  }
+}
+
 void MapHead::apply(const Transaction& transaction, const Revision& revision) {
   advance(revision);
   const auto first_new = static_cast<NodeIndex>(graph_.nodes.size());
@@ -196,6 +211,7 @@ void MapHead::apply(const Transaction& transaction, const Revision& revision) {
                         factor.numbers};
     for (const NodeId& node : factor.nodes) stored.nodes.push_back(*find(node));
     if (const auto datum = datum_of(factor)) graph_.datum = datum;
+    note_payloads(factor.payloads, stored.nodes);
     graph_.factors.push_back(std::move(stored));
   }
   compose_from(first_new);

@@ -84,6 +84,7 @@ class MapHead {
                                                             const Transaction& transaction) const;
   [[nodiscard]] std::optional<Estimate> composed(NodeIndex node) const;
   void compose_from(NodeIndex first);
+  void note_payloads(std::span<const ContentHash> payloads, std::span<const NodeIndex> nodes);
   void note_switch(const Revision& revision);
   void take_as_solved(const Revision& base);
   void set_state(std::size_t factor, FactorState state);
