@@ -5,6 +5,7 @@
 #include <cairo.h>
 
 #include <algorithm>
+#include <cstring>
 #include <numbers>
 #include <optional>
 
@@ -134,6 +135,28 @@ void Canvas::frame(const Rect& rect, const LineStyle& style) {
   state_->set(style);
   cairo_rectangle(state_->context, rect.x, rect.y, rect.width, rect.height);
   cairo_stroke(state_->context);
+}
+
+void Canvas::image(const Rect& rect, const GrayImage& image) {
+  cairo_surface_t* surface = cairo_image_surface_create(
+      CAIRO_FORMAT_RGB24, static_cast<int>(image.width), static_cast<int>(image.height));
+  if (unsigned char* pixels = cairo_image_surface_get_data(surface)) {
+    const auto stride = static_cast<std::size_t>(cairo_image_surface_get_stride(surface));
+    for (std::size_t i = 0; i < image.width * image.height; ++i) {
+      const auto level = static_cast<unsigned char>(image.levels[i]);
+      const std::uint32_t pixel = level * 0x010101U;
+      std::memcpy(pixels + i / image.width * stride + 4 * (i % image.width), &pixel, sizeof pixel);
+    }
+    cairo_surface_mark_dirty(surface);
+  }
+  cairo_save(state_->context);
+  cairo_translate(state_->context, rect.x, rect.y);
+  cairo_scale(state_->context, rect.width / static_cast<double>(image.width),
+              rect.height / static_cast<double>(image.height));
+  cairo_set_source_surface(state_->context, surface, 0.0, 0.0);
+  cairo_paint(state_->context);
+  cairo_restore(state_->context);
+  cairo_surface_destroy(surface);
 }
 
 void Canvas::disk(const Point& center, double radius, const Color& fill) {

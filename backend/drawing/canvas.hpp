@@ -9,6 +9,7 @@
 
 #include "cairn/core/result.hpp"
 #include "cairn/drawing/color.hpp"
+#include "cairn/drawing/gray_image.hpp"
 #include "cairn/drawing/picture.hpp"
 
 namespace cairn::drawing {
@@ -58,6 +59,8 @@ class Canvas {
   void polyline(std::span<const Point> points, const LineStyle& style);
   void rectangle(const Rect& rect, const Color& fill);
   void frame(const Rect& rect, const LineStyle& style);
+  /// An image that fills `rect`. One that cairo has no memory for makes finish() fail.
+  void image(const Rect& rect, const GrayImage& image);
   void disk(const Point& center, double radius, const Color& fill);
   void circle(const Point& center, double radius, const LineStyle& style);
   /// Text on a base line at `position`, with invalid UTF-8 shown as '?'.

@@ -44,18 +44,41 @@ ColorScale residual_scale(const std::vector<Scene>& scenes) {
   return choose_color_scale(std::move(residuals));
 }
 
-std::vector<Window> place_windows(const Canvas& canvas, const std::vector<Scene>& scenes,
+// The lower left corner of it (0), or the upper right one (1).
+Vector3d corner_of(const Backdrop& backdrop, double which) {
+  const Eigen::Vector2d extent(backdrop.image.width, backdrop.image.height);
+  const Eigen::Vector2d p = backdrop.p_map_corner + which * backdrop.pixel_m * extent;
+  return {p.x(), p.y(), 0.0};
+}
+
+void draw_backdrop(Canvas& canvas, const Window& window, const Backdrop& backdrop) {
+  const Point low = window.to_page(corner_of(backdrop, 0.0));
+  const Point high = window.to_page(corner_of(backdrop, 1.0));
+  canvas.clip(window.rect);
+  canvas.image({low.x(), high.y(), high.x() - low.x(), low.y() - high.y()}, backdrop.image);
+  canvas.unclip();
+}
+
+std::vector<Window> place_windows(const Canvas& canvas, std::span<const GraphView> views,
+                                  const std::vector<Scene>& scenes,
                                   const std::vector<Path>& truth) {
   const auto count = static_cast<double>(scenes.size());
   const double width = (canvas.width() - 2 * kSide - (count - 1) * kGutter) / count;
   // The last view is the best estimate: it decides from where all are seen.
-  const Projection projection = choose_projection(scenes.back().points());
+  const bool from_above = std::any_of(
+      views.begin(), views.end(), [](const GraphView& view) { return view.backdrop != nullptr; });
+  const Projection projection =
+      from_above ? Projection() : choose_projection(scenes.back().points());
   std::vector<Window> windows;
   for (const Scene& scene : scenes) {
     const double x = kSide + static_cast<double>(windows.size()) * (width + kGutter);
     std::vector<Vector3d> points = scene.points();
     for (const Path& path : truth)
       points.insert(points.end(), path.positions.begin(), path.positions.end());
+    if (const Backdrop* backdrop = views[windows.size()].backdrop) {
+      points.push_back(corner_of(*backdrop, 0.0));
+      points.push_back(corner_of(*backdrop, 1.0));
+    }
     windows.push_back(
         fit_window(points, projection, {x, kTop, width, canvas.height() - kTop - kBottom}));
   }
@@ -109,10 +132,11 @@ Result<void> draw_graphs(std::span<const GraphView> views, const std::string& pa
   if (!canvas) return canvas.error();
 
   const ColorScale residuals = residual_scale(*scenes);
-  const std::vector<Window> windows = place_windows(*canvas, *scenes, *true_paths);
+  const std::vector<Window> windows = place_windows(*canvas, views, *scenes, *true_paths);
   draw_heading(*canvas, options.title, describe(*views.back().graph, scenes->back()));
   for (std::size_t i = 0; i < windows.size(); ++i) {
     const Rect& rect = windows[i].rect;
+    if (views[i].backdrop) draw_backdrop(*canvas, windows[i], *views[i].backdrop);
     const std::size_t one_of =
         draw_scene(*canvas, windows[i], (*scenes)[i], *true_paths, residuals);
     const std::string sample =

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "cairn/core/result.hpp"
+#include "cairn/drawing/gray_image.hpp"
 #include "cairn/drawing/picture.hpp"
 #include "cairn/graph/graph.hpp"
 
@@ -14,8 +15,9 @@ namespace cairn {
 /// One panel of a picture: a graph at some values.
 struct GraphView {
   const Graph* graph = nullptr;
-  const Values* values = nullptr;  ///< null: those of the graph
-  std::string caption{};           ///< "after: chi2 3549.04"
+  const Values* values = nullptr;      ///< null: those of the graph
+  std::string caption{};               ///< "after: chi2 3549.04"
+  const Backdrop* backdrop = nullptr;  ///< a map under it; then all views are from above
 };
 
 /// The true poses, drawn underneath every view.

@@ -26,5 +26,10 @@ Result<std::string> answer_export_graph(const Question& question, const Asked& a
 /// the pose's stamp or, where a robot's poses have none, the index (the place along the trajectory
 /// where it has several epochs). Options: robot, live.
 Result<std::string> answer_export_trajectory(const Question& question, const Asked& asked);
+/// The occupancy map that the laser scans of the poses make: "map" (history/map_text.hpp), "counts"
+/// (JSON: scans in it, payloads missing) and, with the option with_graph, "graph" as above.
+/// Options: resolution (m per cell), model (occupancy, reflection), robot, live. kNotUsable where
+/// there are no scans.
+Result<std::string> answer_export_map(const Question& question, const Asked& asked);
 
 }  // namespace cairn

@@ -21,7 +21,8 @@ constexpr std::array kVerbs{Verb{"log", answer_log},
                             Verb{"explain edge", answer_explain_edge},
                             Verb{"explain node", answer_explain_node},
                             Verb{"export graph", answer_export_graph},
-                            Verb{"export trajectory", answer_export_trajectory}};
+                            Verb{"export trajectory", answer_export_trajectory},
+                            Verb{"export map", answer_export_map}};
 
 constexpr std::size_t kQuoted = 60;  // bytes of what somebody sent, in an error
 

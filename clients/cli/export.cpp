@@ -7,9 +7,9 @@
 #include <string>
 
 #include "cairn/core/exit_code.hpp"
-#include "cairn/core/output_file.hpp"
 #include "cairn/io/compression.hpp"
 #include "clients/cli/console.hpp"
+#include "clients/cli/export_map.hpp"
 #include "clients/cli/outputs.hpp"
 #include "clients/cli/target.hpp"
 #include "clients/cli/verb.hpp"
@@ -32,22 +32,6 @@ std::string without_compression(const std::string& path) {
   return compression_for(path) == Compression::kNone
              ? path
              : std::filesystem::path(path).replace_extension().string();
-}
-
-// All of them or, up to the renaming, none.
-Result<void> write_files(const NamedFiles& files) {
-  std::vector<OutputFile> open;
-  for (const auto& [path, content] : files) {
-    Result<OutputFile> file = OutputFile::create(path);
-    if (!file) return file.error();
-    if (auto written = file->write(compress(content, compression_for(path))); !written)
-      return written;
-    open.push_back(std::move(*file));
-  }
-  for (OutputFile& file : open) {
-    if (auto done = file.commit(); !done) return done;
-  }
-  return {};
 }
 
 int finish(const NamedFiles& files, const ExportArguments& a, const char* what) {
@@ -143,7 +127,11 @@ Run add_export(CLI::App& parent, CLI::App*& verb) {
   trajectory->add_option("OUT", a->out, "the TUM file")->required()->default_str("");
   trajectory->add_option("--robot", a->robot, "only this one")->type_name("NAME")->default_str("");
   add_common(*trajectory, *a);
-  return [a, graph] { return graph->parsed() ? export_graph(*a) : export_trajectory(*a); };
+  const auto [map, run_map] = add_export_map(*verb);
+  return [a, graph, map, run_map] {
+    if (map->parsed()) return run_map();
+    return graph->parsed() ? export_graph(*a) : export_trajectory(*a);
+  };
 }
 
 }  // namespace cairn::cli

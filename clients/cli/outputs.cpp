@@ -5,6 +5,7 @@
 #include <set>
 
 #include "cairn/core/output_file.hpp"
+#include "cairn/io/compression.hpp"
 
 namespace cairn::cli {
 
@@ -25,6 +26,21 @@ Result<void> check_outputs(const std::vector<std::string>& paths) {
       return Error{ErrorCode::kUsage, "two outputs have this name; give each its own", path};
     }
     if (Result<void> writable = check_writable(path); !writable) return writable;
+  }
+  return {};
+}
+
+Result<void> write_files(const std::vector<std::pair<std::string, std::string>>& files) {
+  std::vector<OutputFile> open;
+  for (const auto& [path, content] : files) {
+    Result<OutputFile> file = OutputFile::create(path);
+    if (!file) return file.error();
+    if (auto written = file->write(compress(content, compression_for(path))); !written)
+      return written;
+    open.push_back(std::move(*file));
+  }
+  for (OutputFile& file : open) {
+    if (auto done = file.commit(); !done) return done;
   }
   return {};
 }

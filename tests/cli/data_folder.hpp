@@ -42,6 +42,7 @@ class DataFolderMaker {
       append(std::move(record));
     }
   }
+  ContentHash put_payload(std::string_view bytes) { return *journal_->put_payload(bytes); }
   Revision append(RecordBody body) {
     const Result<Revision> revision = journal_->append({&body, 1});
     EXPECT_TRUE(revision) << revision.error().to_string();

@@ -170,6 +170,30 @@ TEST(MapHead, AwaitsNodesThatAnotherSourceMayAdd) {
   EXPECT_EQ(refusal->awaited, node(5, "other"));
 }
 
+TEST(MapHead, GivesAFactorsPayloadsToItsPosesFromTheLastOneBackwards) {
+  const ContentHash a{1}, b{2}, c{3};
+  MapHead head = known_pose();
+  Transaction step = good();
+  step.factors[0].payloads = {b};
+  head.apply(step, {1, 0, 2});
+  const PoseGraph before = head.graph();
+  EXPECT_TRUE(before.nodes[0].payloads.empty());
+  EXPECT_EQ(before.nodes[1].payloads, std::vector{b});
+
+  Transaction loop = good();
+  loop.key.sequence = 3;
+  loop.variables.clear();
+  loop.factors[0].payloads = {c, a, b};  // more than there are poses: the first is nobody's
+  head.apply(loop, {1, 0, 3});
+  EXPECT_EQ(head.graph().nodes[0].payloads, std::vector{a});
+  EXPECT_EQ(head.graph().nodes[1].payloads, std::vector{b}) << "it had this one already";
+  loop.key.sequence = 4;
+  loop.factors[0].payloads = {a};
+  head.apply(loop, {1, 0, 4});
+  EXPECT_EQ(head.graph().nodes[1].payloads, (std::vector{a, b})) << "in order of their hashes";
+  EXPECT_TRUE(before.nodes[0].payloads.empty()) << "a snapshot stays as it is";
+}
+
 TEST(MapHead, GivesSnapshotsThatDoNotChange) {
   MapHead head = known_pose();
   const PoseGraph snapshot = head.graph();

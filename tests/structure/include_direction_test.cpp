@@ -34,7 +34,7 @@ const std::map<std::string, Rooms>& allowed_rooms() {
       {"io", with(kModel, {"factors", "maps"})},
       {"journal", with(kModel, {"factors"})},
       {"replay", with(kModel, {"factors", "linear", "solver"})},
-      {"history", with(kModel, {"factors", "io", "journal", "linear", "replay", "solver"})},
+      {"history", with(kModel, {"factors", "io", "journal", "linear", "maps", "replay", "solver"})},
       {"evaluation", with(kModel, {"factors", "io", "linear", "solver"})},
       {"diagnostics", with(kModel, {"factors", "io", "linear", "solver"})},
   };
