@@ -8,6 +8,7 @@
 #include "cairn/io/map_file.hpp"
 #include "cairn/maps/range_scan.hpp"
 #include "tests/cli/data_folder.hpp"
+#include "tests/support/own_domain.hpp"
 #include "tests/support/process.hpp"
 
 namespace {
@@ -103,6 +104,19 @@ TEST_F(ExportMap, IsTheSameForEachCall) {
   ASSERT_EQ(run({file("a.pgm")}).exit_code, 0);
   ASSERT_EQ(run({file("b.pgm")}).exit_code, 0);
   EXPECT_EQ(read_file(file("a.pgm")), read_file(file("b.pgm")));
+}
+
+TEST_F(ExportMap, OfADaemonIsThatOfItsFolder) {
+  ASSERT_EQ(run({file("folder.pgm")}).exit_code, 0);
+  const std::string domain = std::to_string(own_domain());
+  Process daemon({CAIRND_BINARY, "--data", folder_.file("data"), "--domain", domain});
+  const auto exported = run_cairn({"export", "map", file("daemon.pgm"), "--picture",
+                                   file("seen.svg"), "--domain", domain, "--timeout", "20"});
+  EXPECT_EQ(exported.exit_code, 0) << exported.err;
+  daemon.send(SIGTERM);
+  EXPECT_EQ(daemon.wait().exit_code, 0);
+  EXPECT_EQ(read_file(file("daemon.pgm")), read_file(file("folder.pgm")));
+  EXPECT_THAT(read_file(file("seen.svg")), HasSubstr("<svg"));
 }
 
 TEST_F(ExportMap, RefusesWhatMakesNoSenseAndWritesNothing) {
