@@ -57,8 +57,8 @@ std::string tum_text(const ExportContent& content, std::vector<std::size_t> plac
   std::string text;
   for (std::size_t i = 0; i < places.size(); ++i) {
     const StoredNode& node = content.node_at(places[i]);
-    text +=
-        stamped ? seconds(node.stamp_ns) : std::to_string(epochs.size() > 1 ? i : node.id.index);
+    text += stamped ? format_stamp(node.stamp_ns)
+                    : std::to_string(epochs.size() > 1 ? i : node.id.index);
     for (const double number : in_space(node.type, content.values[places[i]])) {
       char digits[40];
       digits[0] = ' ';

@@ -46,9 +46,8 @@ Result<ExportContent> collect_export(const Question& question, const Asked& aske
     return Error{ErrorCode::kNotUsable, "the map is empty: there is nothing to export yet"};
   ExportContent content{std::move(*map), CanonicalOrder(PoseGraph()), {}};
   if (question.flag("live")) {
-    content.order = CanonicalOrder(content.map, [&](std::uint32_t f) {
-      return takes_part(content.map.factors[f].state);
-    });
+    content.order = CanonicalOrder(
+        content.map, [&](std::uint32_t f) { return takes_part(content.map.factors[f].state); });
     for (const NodeIndex node : content.order.nodes) {
       const auto* numbers = content.map.estimates[node].data();
       content.values.emplace_back(numbers, numbers + value_numbers(content.map.nodes[node].type));

@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "frontends/host/host.hpp"
 
+#include <cmath>
 #include <cstdio>
 #include <thread>
 
 #include "cairn/core/output_file.hpp"
 #include "cairn/core/stopwatch.hpp"
+#include "cairn/io/time_stamp.hpp"
 
 namespace cairn {
 namespace {
@@ -144,12 +146,10 @@ Result<void> FrontendHost::write_trajectory(const std::string& path) {
       return Error{ErrorCode::kNotUsable,
                    "the daemon has not told the pose of " + to_string(frame.keyframe)};
     const Se2 T = keyframe->second * frame.T_keyframe_body;
-    char line[200];
-    std::snprintf(line, sizeof line, "%lld.%09lld %.9f %.9f 0 0 0 %.12f %.12f\n",
-                  static_cast<long long>(frame.stamp_ns / 1'000'000'000),
-                  static_cast<long long>(frame.stamp_ns % 1'000'000'000), T.x(), T.y(),
+    char line[160];
+    std::snprintf(line, sizeof line, " %.9f %.9f 0 0 0 %.12f %.12f\n", T.x(), T.y(),
                   std::sin(0.5 * T.theta()), std::cos(0.5 * T.theta()));
-    text += line;
+    text += format_stamp(frame.stamp_ns) + line;
   }
   return write_file(path, text);
 }

@@ -165,7 +165,8 @@ TEST(Solver, NamesNoConcreteFactor) {
 }
 
 TEST(Sources, StartWithTheirLicenseAndStayBelowFourHundredLines) {
-  for (const char* folder : {"backend", "clients", "datasets", "frontends", "tests", "benchmarks"}) {
+  for (const char* folder :
+       {"backend", "clients", "datasets", "frontends", "tests", "benchmarks"}) {
     for (const fs::path& path : sources_under(folder)) {
       std::ifstream file(path);
       std::string text;
