@@ -144,7 +144,9 @@ TEST(PointMap, FindsTheNearestAlikeAsASlowSearchDoes) {
     }
     const SurfacePoint* const found = map.nearest(at, normal, within);
     ASSERT_EQ(found == nullptr, best == nullptr);
-    if (best != nullptr) EXPECT_EQ(found->position, best->position);
+    if (best != nullptr) {
+      EXPECT_EQ(found->position, best->position);
+    }
   }
   EXPECT_EQ(PointMap({}, 0.5).nearest({0, 0}, {1, 0}, 0.5), nullptr);
 }
