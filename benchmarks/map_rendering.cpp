@@ -30,16 +30,20 @@ struct Drive {
 Drive read_drive(const std::string& name, const std::string& path) {
   Drive drive{name, {}, {}};
   Se2 last(1e9, 0.0, 0.0);
-  const auto read = read_carmen_log(path, [&](LaserScan&& scan) {
-    if (!scan.T_odom_laser) return;
+  Result<CarmenLog> read = read_carmen_log(path);
+  if (!read) {
+    std::fprintf(stderr, "%s\n", read.error().to_string().c_str());
+    return drive;
+  }
+  for (LaserScan& scan : read->scans) {
+    if (!scan.T_odom_laser) continue;
     const Se2 step = last.inverse() * *scan.T_odom_laser;
-    if (step.translation().norm() < 0.5 && std::abs(step.theta()) < 0.3) return;
+    if (step.translation().norm() < 0.5 && std::abs(step.theta()) < 0.3) continue;
     last = *scan.T_odom_laser;
     drive.add({scan.first_angle_rad, scan.angle_step_rad, scan.max_range_m, Se2(),
                std::move(scan.ranges_m)},
               last);
-  });
-  if (!read) std::fprintf(stderr, "%s\n", read.error().to_string().c_str());
+  }
   return drive;
 }
 
