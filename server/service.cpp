@@ -73,6 +73,8 @@ Result<void> Service::rebuild() {
   const Result<Replayed> replayed =
       replay_journal(journal_, head_, sequencer_, [this] { pass(ServicePoint::kReplayingRecord); });
   if (!replayed) return replayed.error();
+  // Of which store an empty map is, its estimate says, too.
+  if (head_.graph().graph_revision.number == 0) head_.pass_over(journal_.head().revision);
   chi2_ = replayed->chi2;
   settled_ = chi2_.has_value();
   news_at_ = solving_from_ = unsolvable_ = 0;

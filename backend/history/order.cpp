@@ -206,13 +206,14 @@ Result<Order> order_thinned(const Question& question, const MapHead& head) {
 }
 
 Result<Order> freeze_first(NodeIndex nodes, std::string asked, const MapHead& head) {
+  const NodeIndex before = head.graph().frozen_nodes;
+  if (nodes == before) return Order{std::move(asked)};
   if (nodes > 0 && head.graph().solved_revision.number < head.last_input())
     return Error{ErrorCode::kNotUsable,
                  "the newest input is not solved yet, and a map is frozen as it was solved: run "
                  "cairn settle first"};
   Order order{std::move(asked)};
-  const NodeIndex before = head.graph().frozen_nodes;
-  if (nodes != before) order.frozen = {before, nodes};
+  order.frozen = {before, nodes};
   return order;
 }
 

@@ -53,6 +53,7 @@ bool is_frozen(const PoseGraph& map, const StoredFactor& factor) {
 }
 
 void take(const PoseGraph& map, SettledEstimate&& settled, MapSolution& solution) {
+  solution.solved = true;
   for (LoopVerdict& verdict : settled.verdicts) {
     if (is_frozen(map, map.factors[verdict.factor])) continue;  // it moves nothing
     const bool is_new = verdict.factor >= map.first_unsolved_factor;

@@ -35,9 +35,10 @@ struct MapSolution {
   std::vector<FreeNode> free{};
   std::vector<LoopVerdict> verdicts{};  ///< that are new: another state, or the first look
   SolveSummary whole;                   ///< of the first try, with everything in it
+  bool solved = false;                  ///< some part was, though a frozen map leaves no estimates
 
   /// Something was solved.
-  [[nodiscard]] bool usable() const { return !estimates.empty(); }
+  [[nodiscard]] bool usable() const { return solved; }
 };
 
 /// settle(), and where that fails each connected component for itself: what is wrong with one robot

@@ -98,6 +98,19 @@ TEST_F(Frozen, MapsStayAndANewEpochLocalizesAgainstThem) {
   EXPECT_EQ(executed->commands, 3u);
 }
 
+// Where everything is frozen a solve has nothing to move, and is one all the same.
+TEST_F(Frozen, MapsWithoutNewcomersAreSettled) {
+  start();
+  for (const Transaction& step : test::drive(12)) submit(step);
+  const std::string freeze = "freeze {\"operator\":\"anna\",\"reason\":\"\"}";
+  EXPECT_THAT(command(freeze), HasSubstr("12 nodes frozen"));
+  EXPECT_THAT(command("settle"), HasSubstr("settled at "));
+  const std::uint64_t head = journal_->head().revision.number;
+  EXPECT_THAT(command(freeze), HasSubstr("nothing changed"));
+  EXPECT_THAT(command("settle"), HasSubstr("settled at "));
+  EXPECT_EQ(journal_->head().revision.number, head);
+}
+
 // As yesterday's map: a robot that was started anew finds itself in it by loops alone.
 TEST_F(Frozen, OrNotANewEpochResumesTheMapByThreeLoops) {
   start();

@@ -18,6 +18,12 @@ using namespace std::chrono_literals;
 
 class LiveSolve : public test::LiveService {};
 
+TEST_F(LiveSolve, AnEmptyMapNamesItsStore) {
+  start();
+  const auto told = client_->wait_for(journal_->head().revision, 10s);
+  EXPECT_TRUE(told) << told.error().to_string();
+}
+
 TEST_F(LiveSolve, FollowsALoopAtOnceAndOdometryNever) {
   start();
   Revision last;
