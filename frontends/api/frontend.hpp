@@ -19,10 +19,9 @@ namespace cairn {
 /// What a sensor has seen. Frames come in the order of their arrival.
 using SensorFrame = std::variant<LaserScan>;
 
-/// Whether a front-end makes keyframes and odometry, finds loops, or both.
+/// What a front-end is to do beside keyframes and odometry.
 struct FrontendRoles {
-  bool tracker = true;
-  bool loop_closer = true;
+  bool loop_closer = true;  ///< find loops, too
 };
 
 /// What changed of the optimized poses since the snapshot before.

@@ -21,7 +21,7 @@ constexpr const char* kFooter =
     "Exit codes: 0 everything is durable, 2 usage, 3 bad input, 4 refused, 5 no daemon answers.";
 
 struct Arguments {
-  std::string frontend, input, role = "both", spool, trajectory, profile = "local";
+  std::string frontend, input, role = "both", spool, trajectory;
   cairn::HostOptions host{};
   double timeout_s = 30.0;
   bool settle = false, quiet = false;
@@ -56,7 +56,7 @@ int run(Arguments& a) {
   if (!frontend) return cairn::fail(frontend.error());
   auto input = cairn::open_input(a.input);
   if (!input) return cairn::fail(input.error());
-  a.host.roles = {a.role != "loop-closer", a.role != "tracker"};
+  a.host.roles = {a.role == "both"};
   a.host.spool = a.spool;
   a.host.timeout = std::chrono::milliseconds(static_cast<std::int64_t>(1000.0 * a.timeout_s));
   auto host = cairn::FrontendHost::connect(a.host);
@@ -99,14 +99,14 @@ int main(int argc, char** argv) {
   app.add_option("--domain", a.host.domain, "DDS domain of the daemon")
       ->check(CLI::Range(0, 230).description(""))
       ->type_name("N");
-  app.add_option("--role", a.role, "keyframes and odometry, loop closures, or both")
-      ->check(CLI::IsMember({"tracker", "loop-closer", "both"}).description(""))
-      ->type_name("{tracker|loop-closer|both}");
+  app.add_option("--role", a.role, "keyframes and odometry alone, or loop closures, too")
+      ->check(CLI::IsMember({"tracker", "both"}).description(""))
+      ->type_name("{tracker|both}");
   app.add_option("--rate", a.host.rate_hz, "frames per second; 0: as fast as it goes")
       ->check(CLI::NonNegativeNumber.description(""))
       ->type_name("HZ");
   app.add_flag("--lockstep", a.host.lockstep,
-               "wait for the solve of each loop closure: every run gives the same bits");
+               "settle the map after each keyframe: every run gives the same bits");
   app.add_option("--spool", a.spool, "folder of the spools; else $XDG_STATE_HOME/cairn/spool")
       ->type_name("DIR")
       ->default_str("");

@@ -46,6 +46,12 @@ Result<std::unique_ptr<FrontendHost>> FrontendHost::connect(const HostOptions& o
   return host;
 }
 
+// The clients' threads end before what their callbacks use.
+FrontendHost::~FrontendHost() {
+  closer_.reset();
+  tracker_.reset();
+}
+
 Result<void> FrontendHost::run(Frontend& frontend, const NextFrame& next,
                                const std::function<bool()>& keep_going) {
   if (auto started = frontend.start(*this); !started) return started;
@@ -65,7 +71,7 @@ Result<void> FrontendHost::run(Frontend& frontend, const NextFrame& next,
     counts_.frame_s.push_back(watch.seconds());
     ++counts_.frames;
     if (!options_.lockstep) continue;
-    if (auto solved = wait_for_solve(); !solved) return solved;
+    if (auto settled = keep_step(); !settled) return settled;
   }
   if (auto stopped = frontend.stop(); !stopped) return stopped;
   return wait_for(0);
@@ -83,54 +89,68 @@ void FrontendHost::deliver_snapshot(Frontend& frontend) {
 
 Result<void> FrontendHost::submit_keyframe(Transaction transaction) {
   ++counts_.keyframes;
-  return keep(tracker_->submit_async(std::move(transaction)), false);
+  return keep(tracker_->submit_async(std::move(transaction)));
 }
 
 // A loop names keyframes that may still be on their way: the daemon waits for them.
 Result<void> FrontendHost::submit_loops(Transaction transaction) {
   counts_.loops += transaction.factors.size();
-  return keep(closer_->submit_async(std::move(transaction)), true);
+  return keep(closer_->submit_async(std::move(transaction)));
 }
 
 Result<ContentHash> FrontendHost::send_payload(const std::string& type, const std::string& bytes) {
   return tracker_->send_payload(type, bytes);
 }
 
-Result<void> FrontendHost::keep(Result<Submission> taken, bool of_loops) {
+Result<void> FrontendHost::keep(Result<Submission> taken) {
   if (!taken) return taken.error();
-  waiting_.push_back({std::move(*taken), of_loops});
+  waiting_.push_back(std::move(*taken));
   return wait_for(kMostUndecided);
 }
 
 // Until no more than so many are undecided.
 Result<void> FrontendHost::wait_for(std::size_t at_most) {
   while (waiting_.size() > at_most) {
-    const Waiting& oldest = waiting_.front();
-    const Result<Receipt> receipt = oldest.submission.wait(options_.timeout);
+    const Result<Receipt> receipt = waiting_.front().wait(options_.timeout);
     if (!receipt) return receipt.error();
     if (receipt->refusal)
       return Error{ErrorCode::kNotUsable, "transaction " + std::to_string(receipt->key.sequence) +
                                               " of " + receipt->key.source + " was refused: " +
                                               std::string(to_string(*receipt->refusal)) + ": " +
                                               receipt->reason};
-    if (oldest.of_loops) newest_loop_ = receipt->revision;
+    newest_ = std::max(newest_, receipt->revision);
     waiting_.pop_front();
   }
   return {};
 }
 
-Result<void> FrontendHost::wait_for_solve() {
+// A settled map depends on what is in it alone, and not on when solves happened to begin.
+Result<void> FrontendHost::keep_step() {
   if (waiting_.empty()) return {};
   if (auto decided = wait_for(0); !decided) return decided;
-  if (!newest_loop_) return {};
-  return tracker_->wait_solved(*std::exchange(newest_loop_, std::nullopt), options_.timeout);
+  const Result<std::string> settled = settle();
+  return settled ? Result<void>() : settled.error();
 }
 
+// "settled at STORE:ERA:NUMBER, ...": its poses come on a way of their own.
 Result<std::string> FrontendHost::settle() {
-  return tracker_->command("settle", std::chrono::minutes(10));
+  Result<std::string> settled = tracker_->command("settle", std::chrono::minutes(10));
+  if (!settled) return settled;
+  unsigned long long store = 0, number = 0;
+  unsigned era = 0;
+  if (std::sscanf(settled->c_str(), "settled at %llx:%u:%llu", &store, &era, &number) != 3)
+    return Error{ErrorCode::kInternal, "the daemon's answer to settle is '" +
+                                           settled->substr(0, 60) +
+                                           "'; do host and daemon have the same version?"};
+  newest_ = Revision{store, era, number};
+  if (auto told = tracker_->wait_for(newest_, options_.timeout); !told) return told.error();
+  return settled;
 }
 
 Result<void> FrontendHost::write_trajectory(const std::string& path) {
+  if (newest_.number > 0) {
+    if (auto told = tracker_->wait_for(newest_, options_.timeout); !told) return told;
+  }
   std::map<NodeId, Se2> pose_of;
   {
     const std::lock_guard lock(mutex_);

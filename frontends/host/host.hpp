@@ -26,7 +26,7 @@ struct HostOptions {
   /// Folder of the spools; empty: the client's default.
   std::filesystem::path spool{};
   double rate_hz = 0.0;   ///< frames per second; 0: as fast as it goes
-  bool lockstep = false;  ///< wait for the solve of each loop closure: the same bits each time
+  bool lockstep = false;  ///< settle after each keyframe: the same bits each time
   std::chrono::milliseconds timeout{30'000};  ///< without a word of the daemon
 };
 
@@ -38,7 +38,7 @@ class FrontendHost final : private FrontendContext {
   using NextFrame = std::function<Result<std::optional<SensorFrame>>()>;
 
   static Result<std::unique_ptr<FrontendHost>> connect(const HostOptions& options);
-  ~FrontendHost() override = default;
+  ~FrontendHost() override;
 
   /// Until the input ends or `keep_going` says no; then until the daemon has decided everything.
   Result<void> run(Frontend& frontend, const NextFrame& next,
@@ -66,20 +66,16 @@ class FrontendHost final : private FrontendContext {
   Result<ContentHash> send_payload(const std::string& type, const std::string& bytes) override;
   void localize(const LocalizedFrame& frame) override { localized_.push_back(frame); }
 
-  struct Waiting {
-    Submission submission;
-    bool of_loops;
-  };
-  Result<void> keep(Result<Submission> taken, bool of_loops);
+  Result<void> keep(Result<Submission> taken);
   Result<void> wait_for(std::size_t at_most);
-  Result<void> wait_for_solve();
+  Result<void> keep_step();
   void deliver_snapshot(Frontend& frontend);
 
   HostOptions options_;
   std::optional<Client> tracker_, closer_;
   std::uint64_t keyframes_before_ = 0;
-  std::deque<Waiting> waiting_;
-  std::optional<Revision> newest_loop_;  ///< not waited for yet
+  std::deque<Submission> waiting_;
+  Revision newest_;  ///< that the daemon has told of
   std::vector<LocalizedFrame> localized_;
   Counts counts_;
 

@@ -59,7 +59,7 @@ std::vector<LaserLoop> find_loops(const std::vector<LoopKeyframe>& keyframes, st
     const double inliers =
         lines > 0 ? static_cast<double>(match.inliers) / static_cast<double>(lines) : 0.0;
     if (inliers < options.least_inliers) continue;
-    loops.push_back({at, to, match.T_map_scan, match.information, found->score, inliers});
+    loops.push_back({at, to, match.T_map_scan, match.information});
   }
   return loops;
 }

@@ -31,7 +31,6 @@ struct LaserLoop {
   std::size_t from, to;  ///< keyframes
   Se2 T_from_to;
   Eigen::Matrix3d information;
-  double score = 0.0, inliers = 0.0;
 };
 
 /// Loops from keyframe `to` to older ones.

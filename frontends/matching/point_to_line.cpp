@@ -16,7 +16,6 @@ PointToLineMatch match_point_to_line(const PointMap& map, const std::vector<Surf
     Eigen::Matrix3d H = Eigen::Matrix3d::Zero();
     Eigen::Vector3d g = Eigen::Vector3d::Zero();
     match.matched = match.inliers = 0;
-    double squares = 0.0;
     const Se2& T = match.T_map_scan;
     const double width = std::max(2.0 * options.sigma_m, 0.33 * reach);
     for (const SurfacePoint& point : scan) {
@@ -33,14 +32,10 @@ PointToLineMatch match_point_to_line(const PointMap& map, const std::vector<Surf
       H += weight * J * J.transpose();
       g += weight * r * J;
       ++match.matched;
-      if (std::abs(r) <= 3.0 * options.sigma_m) {
-        ++match.inliers;
-        squares += r * r;
-      }
+      if (std::abs(r) <= 3.0 * options.sigma_m) ++match.inliers;
     }
     const double variance = options.sigma_m * options.sigma_m;
     match.information = H / variance;
-    match.rms_m = match.inliers > 0 ? std::sqrt(squares / match.inliers) : 0.0;
     Eigen::Matrix3d A = match.information + options.start_information;
     A.diagonal().array() += 1e-9 * (1.0 + A.trace());
     const Eigen::Vector3d from_start = (start.inverse() * T).log();

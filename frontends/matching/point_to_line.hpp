@@ -19,9 +19,8 @@ struct PointToLineOptions {
 struct PointToLineMatch {
   Se2 T_map_scan;
   Eigen::Matrix3d information = Eigen::Matrix3d::Zero();  ///< of surfaces alone; d in T Exp(d)
-  int matched = 0;     ///< points with a correspondence in the last step
-  int inliers = 0;     ///< of these, within three sigma of their line
-  double rms_m = 0.0;  ///< of the inliers
+  int matched = 0;  ///< points with a correspondence in the last step
+  int inliers = 0;  ///< of these, within three sigma of their line
   bool converged = false;
 };
 

@@ -55,6 +55,25 @@ TEST(FrontendProcess, MapsASimulatedBuildingAndGoesOnWhereItsSpoolEnds) {
   EXPECT_EQ(daemon.wait().exit_code, 0);
 }
 
+TEST(FrontendProcess, GivesTheSameBitsInLockstep) {
+  std::vector<std::string> found;
+  for (const char* run : {"one", "two"}) {
+    const test::TemporaryFolder folder;
+    const std::string domain = std::to_string(test::own_domain());
+    Process daemon({CAIRND_BINARY, "--data", folder.file("data"), "--domain", domain});
+    const ProcessResult result = run_frontend(
+        {"laser", "--input", "simulated", "--robot", "kestrel", "--spool", folder.file("spool"),
+         "--domain", domain, "--lockstep", "--trajectory", folder.file("kestrel.tum")});
+    ASSERT_EQ(result.exit_code, 0) << run << result.err;
+    std::ifstream in(folder.file("kestrel.tum"));
+    found.emplace_back(std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>());
+    daemon.send(SIGTERM);
+    EXPECT_EQ(daemon.wait().exit_code, 0);
+  }
+  EXPECT_GT(found[0].size(), 100'000u);
+  EXPECT_TRUE(found[0] == found[1]);
+}
+
 TEST(FrontendProcess, SaysWhatItCannotDo) {
   const test::TemporaryFolder folder;
   const auto expect = [&](std::vector<std::string> words, int code, const std::string& message) {
