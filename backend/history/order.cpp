@@ -187,7 +187,7 @@ Result<Order> order_thinned(const Question& question, const MapHead& head) {
   };
   if (named == question.options.end() || !named->is_array() ||
       !std::all_of(named->begin(), named->end(), is_node))
-    return Error{ErrorCode::kUsage, "thin expects the option nodes: numbers from 0 to " +
+    return Error{ErrorCode::kUsage, "thin expects the option nodes: numbers below " +
                                         std::to_string(count) + ", in order of arrival"};
   std::set<NodeIndex> gone;
   for (const Json& number : *named) gone.insert(number.get<NodeIndex>());
@@ -293,6 +293,9 @@ Result<Order> make_order(const Question& question, const Journal& journal, const
     return order_frozen(question, head);
   }();
   if (!order) return order;
+  // A journal with an order that cannot be applied again would never be opened again.
+  if (const auto refusal = head.check(order->edits))
+    return Error{ErrorCode::kNotUsable, refusal->reason};
   // Names are bytes, JSON is UTF-8.
   const auto kept = order_of(to_record(*order, question, 0));
   const auto same = [](const FactorEdit& a, const FactorEdit& b) {

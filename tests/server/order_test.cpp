@@ -105,6 +105,22 @@ TEST(Edge, SwitchesFactorsByRecordAndPlace) {
   EXPECT_FALSE(map.ask("undo", {{"record", disabled}})) << "9:1 was removed since";
 }
 
+TEST(Thin, NamesNodesThatAreThereAndBringsNothingBackThatWasRemoved) {
+  test::OrderedMap map;
+  map.take_all(test::drive(10));
+  map.give("edge remove", {{"factors", {"9:1"}}});
+  const auto removed = map.ask("thin", {{"nodes", {2u}}, {"by", 9u}});
+  ASSERT_FALSE(removed);
+  EXPECT_EQ(removed.error().code, ErrorCode::kNotUsable);
+  EXPECT_THAT(removed.error().message, HasSubstr("factor 1 of laser/9 is not known"));
+  for (const Json& nodes : {Json::array({10u}), Json::array({-1}), Json::array({"2"}), Json(2)}) {
+    const auto order = map.ask("thin", {{"nodes", nodes}, {"by", 8u}});
+    ASSERT_FALSE(order) << nodes;
+    EXPECT_EQ(order.error().message,
+              "thin expects the option nodes: numbers below 10, in order of arrival");
+  }
+}
+
 TEST(Edge, SaysWhichNamesItDoesNotKnow) {
   test::OrderedMap map;
   map.take_all(test::drive(10));
