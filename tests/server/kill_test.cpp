@@ -257,6 +257,8 @@ TEST_F(KillTest, LosesAndDoublesNothing) {
     check_journal();
     if ((kill + 1) % std::max<std::uint64_t>(10, kills_ / 6) == 0) verify();  // all of it again
     if (kill == kills_ / 2) {
+      for (int i = 0; i < 600 && !fs::exists(spool("follower")); ++i)
+        std::this_thread::sleep_for(100ms);  // where all is slow, it has just begun
       clients["follower"].end(SIGKILL);
       fs::copy(spool("follower"), folder_.path() / "copy");
       clients["follower"] = start_client("follower");
