@@ -14,7 +14,7 @@ namespace {
 
 // Linearization and assembly alone, often enough that one wake-up of a thread does not decide.
 double linearize_seconds(NormalEquations& equations, const Graph& graph, ThreadPool& pool) {
-  constexpr int kRepetitions = 20;
+  constexpr int kRepetitions = 100;
   const Stopwatch watch;
   for (int i = 0; i < kRepetitions; ++i) equations.linearize({.values = graph.values()}, pool);
   return watch.seconds() / kRepetitions;

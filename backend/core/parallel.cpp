@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "cairn/core/parallel.hpp"
 
+#include <algorithm>
 #include <atomic>
 #include <limits>
+#include <optional>
 #include <thread>
 #include <vector>
 
@@ -36,57 +38,84 @@ void wait_while_equal(const std::atomic<std::uint32_t>& value, std::uint32_t old
   value.wait(old, std::memory_order_acquire);
 }
 
-/// Where a thread takes its items. Half of the threads begin at the other end, so that with two
-/// threads each meets about the same items, and finds them in its cache, in run after run.
-enum class End { kFirst, kLast };
+/// Items [first, last) that nobody has begun, on a cache line of their own.
+class alignas(64) ItemRange {
+ public:
+  void set(std::uint32_t first, std::uint32_t last) {
+    packed_.store(std::uint64_t{last} << 32 | first, std::memory_order_release);
+  }
 
-constexpr std::uint64_t pack(std::uint32_t first, std::uint32_t last) {
-  return std::uint64_t{last} << 32 | first;
-}
+  std::optional<std::uint32_t> take_first() {
+    return take([](std::uint64_t packed) { return packed + 1; },
+                [](std::uint32_t first, std::uint32_t) { return first; });
+  }
+  std::optional<std::uint32_t> take_last() {
+    return take([](std::uint64_t packed) { return packed - (std::uint64_t{1} << 32); },
+                [](std::uint32_t, std::uint32_t last) { return last - 1; });
+  }
+
+ private:
+  template <class Rest, class Item>
+  std::optional<std::uint32_t> take(Rest rest, Item item) {
+    std::uint64_t packed = packed_.load(std::memory_order_acquire);
+    while (true) {
+      const auto first = static_cast<std::uint32_t>(packed);
+      const auto last = static_cast<std::uint32_t>(packed >> 32);
+      if (first == last) return std::nullopt;
+      if (packed_.compare_exchange_weak(packed, rest(packed), std::memory_order_acq_rel,
+                                        std::memory_order_acquire))
+        return item(first, last);
+    }
+  }
+
+  std::atomic<std::uint64_t> packed_{0};  // last << 32 | first
+};
 
 }  // namespace
 
 struct ThreadPool::State {
+  explicit State(std::size_t threads) : parts(threads) {}
+
+  std::vector<ItemRange> parts;  ///< by thread; the first is the caller's
   std::vector<std::jthread> workers;
-  std::atomic<std::uint32_t> generation{0};  ///< of runs; workers sleep on it
+  alignas(64) std::atomic<std::uint32_t> generation{0};  ///< of runs; workers sleep on it
   std::atomic<bool> stopping{false};
-  std::atomic<std::uint64_t> unclaimed{0};  ///< items [first, last): last << 32 | first
-  std::atomic<std::uint32_t> unfinished{0};
   // Of the current run; they stay until its last claimed item is finished.
   const std::function<void(std::size_t)>* body = nullptr;
+  alignas(64) std::atomic<std::uint32_t> unfinished{0};
 
-  void drain(End end) {
-    std::uint64_t range = unclaimed.load(std::memory_order_acquire);
-    while (true) {
-      const auto first = static_cast<std::uint32_t>(range);
-      const auto last = static_cast<std::uint32_t>(range >> 32);
-      if (first == last) return;
-      const std::uint64_t rest = end == End::kFirst ? pack(first + 1, last) : pack(first, last - 1);
-      if (!unclaimed.compare_exchange_weak(range, rest, std::memory_order_acq_rel,
-                                           std::memory_order_acquire))
-        continue;
-      (*body)(end == End::kFirst ? first : last - 1);
-      if (unfinished.fetch_sub(1, std::memory_order_acq_rel) == 1) unfinished.notify_one();
-      range = unclaimed.load(std::memory_order_acquire);
+  // Who has finished its own part takes from the far ends of the others': so a thread meets about
+  // the same items, and finds them in its cache, in run after run.
+  void drain(std::size_t self) {
+    std::uint32_t done = 0;
+    while (const auto item = parts[self].take_first()) {
+      (*body)(*item);
+      ++done;
     }
+    for (std::size_t i = 1; i < parts.size(); ++i) {
+      while (const auto item = parts[(self + i) % parts.size()].take_last()) {
+        (*body)(*item);
+        ++done;
+      }
+    }
+    if (done > 0 && unfinished.fetch_sub(done, std::memory_order_acq_rel) == done)
+      unfinished.notify_one();
   }
 
-  void work(End end) {
+  void work(std::size_t self) {
     std::uint32_t seen = 0;
     while (true) {
       wait_while_equal(generation, seen);
       seen = generation.load(std::memory_order_acquire);
       if (stopping) return;
-      drain(end);
+      drain(self);
     }
   }
 };
 
-ThreadPool::ThreadPool(int threads) : state_(std::make_unique<State>()) {
-  for (int i = 1; i < threads; ++i) {
-    state_->workers.emplace_back(
-        [state = state_.get(), i] { state->work(i % 2 == 0 ? End::kFirst : End::kLast); });
-  }
+ThreadPool::ThreadPool(int threads) : state_(std::make_unique<State>(std::max(threads, 1))) {
+  for (std::size_t i = 1; i < state_->parts.size(); ++i)
+    state_->workers.emplace_back([state = state_.get(), i] { state->work(i); });
 }
 
 ThreadPool::~ThreadPool() {
@@ -96,7 +125,7 @@ ThreadPool::~ThreadPool() {
   state_->workers.clear();  // joins before the atomics they wait on go away
 }
 
-int ThreadPool::threads() const { return 1 + static_cast<int>(state_->workers.size()); }
+int ThreadPool::threads() const { return static_cast<int>(state_->parts.size()); }
 
 void ThreadPool::run(std::size_t count, const std::function<void(std::size_t)>& body) {
   if (state_->workers.empty() || count < 2) {
@@ -104,13 +133,16 @@ void ThreadPool::run(std::size_t count, const std::function<void(std::size_t)>& 
     return;
   }
   CAIRN_CHECK(count <= std::numeric_limits<std::uint32_t>::max(), "too many items for one run");
-  const auto items = static_cast<std::uint32_t>(count);
+  const std::size_t parts = state_->parts.size();
   state_->body = &body;
-  state_->unfinished.store(items, std::memory_order_relaxed);
-  state_->unclaimed.store(pack(0, items), std::memory_order_release);
+  state_->unfinished.store(static_cast<std::uint32_t>(count), std::memory_order_relaxed);
+  for (std::size_t i = 0; i < parts; ++i) {
+    state_->parts[i].set(static_cast<std::uint32_t>(count * i / parts),
+                         static_cast<std::uint32_t>(count * (i + 1) / parts));
+  }
   state_->generation.fetch_add(1, std::memory_order_release);
   state_->generation.notify_all();
-  state_->drain(End::kFirst);
+  state_->drain(0);
   for (std::uint32_t left = state_->unfinished.load(std::memory_order_acquire); left > 0;
        left = state_->unfinished.load(std::memory_order_acquire))
     wait_while_equal(state_->unfinished, left);

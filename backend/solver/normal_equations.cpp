@@ -3,13 +3,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 namespace cairn {
 namespace {
 
 // Fixed sizes: sums over chunks must not depend on the number of threads.
 constexpr std::size_t kFactorsPerChunk = 64;
-constexpr int kBlocksPerChunk = 128;
+constexpr std::size_t kBlocksPerChunk = 32;
 
 constexpr std::size_t scratch_size(int dimension) {
   return static_cast<std::size_t>(dimension) * (static_cast<std::size_t>(dimension) + 1);
@@ -38,7 +39,7 @@ double count_iteration_work(const Problem& problem, const UnknownLayout& layout)
 // H_v += contributions of all factors on v, in factor order; then the gradient likewise.
 template <int d>
 void sum_contributions(const double* first, const double* last, double* block,
-                       int leading_dimension, double* g) {
+                       int leading_dimension, double* g, double* diagonal) {
   Eigen::Matrix<double, d*(d + 1), 1> sum = Eigen::Matrix<double, d*(d + 1), 1>::Zero();
   for (; first != last; first += d * (d + 1))
     sum += Eigen::Map<const Eigen::Matrix<double, d*(d + 1), 1>>(first);
@@ -46,6 +47,7 @@ void sum_contributions(const double* first, const double* last, double* block,
     for (int row = 0; row < d; ++row)
       block[column * leading_dimension + row] = sum[column * d + row];
     g[column] = sum[d * d + column];
+    diagonal[column] = sum[column * d + column];
   }
 }
 
@@ -96,8 +98,28 @@ NormalEquations::NormalEquations(const Problem& problem, const UnknownLayout& la
     }
   }
   chunk_costs_.resize(chunks_.size());
+  order_chunks();
   place_diagonals();
   place_off_diagonals();
+}
+
+// Factors near in time share variables, so a thread that takes neighbours finds them in its cache.
+void NormalEquations::order_chunks() {
+  std::vector<double> mean_slot;
+  for (const Chunk& chunk : chunks_) {
+    const FactorBatch& batch = *problem_.batches[chunk.batch];
+    const auto signature = batch.signature();
+    const auto indices = batch.variable_indices();
+    double sum = 0.0;
+    for (std::size_t i = chunk.begin * signature.size(); i < chunk.end * signature.size(); ++i)
+      sum +=
+          static_cast<double>(problem_.graph->slot_of(signature[i % signature.size()], indices[i]));
+    mean_slot.push_back(sum / static_cast<double>((chunk.end - chunk.begin) * signature.size()));
+  }
+  chunk_order_.resize(chunks_.size());
+  std::iota(chunk_order_.begin(), chunk_order_.end(), 0U);
+  std::stable_sort(chunk_order_.begin(), chunk_order_.end(),
+                   [&](std::uint32_t a, std::uint32_t b) { return mean_slot[a] < mean_slot[b]; });
 }
 
 void NormalEquations::place_diagonals() {
@@ -117,12 +139,15 @@ void NormalEquations::place_diagonals() {
       if (block >= 0) ++count[block];
     }
   }
-  scratch_begin_.assign(count.size() + 1, 0);
-  for (std::size_t j = 0; j < count.size(); ++j) {
-    scratch_begin_[j + 1] = scratch_begin_[j] + count[j] * scratch_size(pattern_.dimension[j]);
+  std::vector<std::size_t> next(count.size());
+  std::size_t size = 0;
+  for (const int j : layout_.block_of_slot) {
+    if (j < 0) continue;
+    next[j] = size;
+    size += count[j] * scratch_size(pattern_.dimension[j]);
+    gathers_.push_back({j, next[j], size});
   }
-  scratch_ = std::make_unique_for_overwrite<double[]>(scratch_begin_.back());
-  std::vector<std::size_t> next(scratch_begin_.begin(), scratch_begin_.end() - 1);
+  scratch_ = std::make_unique_for_overwrite<double[]>(size);
   for (BatchTargets& targets : targets_) {  // then: its own place among the block's contributions
     for (std::size_t& offset : targets.diagonal_offset) {
       if (offset == NormalEquationTargets::kSkip) continue;
@@ -176,7 +201,10 @@ NormalEquationTargets::OffDiagonal NormalEquations::place_block(int block_k, int
 
 template <class Evaluate>
 RangeCost NormalEquations::sum_chunks(ThreadPool& pool, Evaluate evaluate) {
-  pool.run(chunks_.size(), [&](std::size_t c) { chunk_costs_[c] = evaluate(chunks_[c]); });
+  pool.run(chunks_.size(), [&](std::size_t i) {
+    const std::uint32_t c = chunk_order_[i];
+    chunk_costs_[c] = evaluate(chunks_[c]);
+  });
   RangeCost sum;
   for (const RangeCost& cost : chunk_costs_) {
     sum.chi2 += cost.chi2;
@@ -193,10 +221,10 @@ RangeCost NormalEquations::linearize(const EvaluationContext& context, ThreadPoo
                                                      values_.data(), targets.off_diagonal.data()});
   });
   add_repeated_blocks();
-  const int chunks = (pattern_.size() + kBlocksPerChunk - 1) / kBlocksPerChunk;
-  pool.run(static_cast<std::size_t>(chunks), [&](std::size_t c) {
-    const int begin = static_cast<int>(c) * kBlocksPerChunk;
-    for (int j = begin; j < std::min(pattern_.size(), begin + kBlocksPerChunk); ++j) gather(j);
+  pool.run((gathers_.size() + kBlocksPerChunk - 1) / kBlocksPerChunk, [&](std::size_t c) {
+    const std::size_t begin = c * kBlocksPerChunk;
+    const std::size_t end = std::min(gathers_.size(), begin + kBlocksPerChunk);
+    for (std::size_t i = begin; i < end; ++i) gather(gathers_[i]);
   });
   for (const Problem::Anchor& anchor : problem_.anchors) stiffen(anchor);
   damping_ = 0.0;
@@ -222,25 +250,25 @@ void NormalEquations::add_repeated_blocks() {
   }
 }
 
-void NormalEquations::gather(int block) {
-  const double* first = scratch_.get() + scratch_begin_[block];
-  const double* last = scratch_.get() + scratch_begin_[block + 1];
+void NormalEquations::gather(const Gather& from) {
+  const auto [block, begin, end] = from;
+  const double* first = scratch_.get() + begin;
+  const double* last = scratch_.get() + end;
   double* target = values_.data() + pattern_.value_begin[block];
   const int height = pattern_.height[block], scalar = pattern_.scalar_begin[block];
   double* g = gradient_.data() + scalar;
+  double* diagonal = diagonal_.data() + scalar;
   switch (pattern_.dimension[block]) {
     case 2:
-      sum_contributions<2>(first, last, target, height, g);
+      sum_contributions<2>(first, last, target, height, g, diagonal);
       break;
     case 3:
-      sum_contributions<3>(first, last, target, height, g);
+      sum_contributions<3>(first, last, target, height, g, diagonal);
       break;
     default:
-      sum_contributions<6>(first, last, target, height, g);
+      sum_contributions<6>(first, last, target, height, g, diagonal);
       break;
   }
-  for (int k = 0; k < pattern_.dimension[block]; ++k)
-    diagonal_[scalar + k] = target[k * (height + 1)];
 }
 
 // Stiffness where nothing is measured leaves the minimum where it is and the matrix regular.

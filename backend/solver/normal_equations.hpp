@@ -65,12 +65,18 @@ class NormalEquations {
     int rows, columns;
   };
 
+  struct Gather {  // what is summed to one diagonal block and its gradient: a part of the scratch
+    int block;
+    std::size_t begin, end;
+  };
+
+  void order_chunks();
   void place_diagonals();
   void place_off_diagonals();
   NormalEquationTargets::OffDiagonal place_block(int block_k, int block_l,
                                                  std::vector<bool>& taken);
   void add_repeated_blocks();
-  void gather(int block);
+  void gather(const Gather& from);
   void stiffen(const Problem::Anchor& anchor);
   template <class Evaluate>
   RangeCost sum_chunks(ThreadPool& pool, Evaluate evaluate);
@@ -81,10 +87,11 @@ class NormalEquations {
   std::vector<BatchTargets> targets_;
   std::vector<RepeatedBlock> repeated_;
   std::vector<Chunk> chunks_;
+  std::vector<std::uint32_t> chunk_order_;  // as they are shared out
   std::vector<RangeCost> chunk_costs_;
   std::vector<double> values_;         // pattern values, then the repeated blocks
   std::unique_ptr<double[]> scratch_;  // H_kk and g_k of every factor, those of a block together
-  std::vector<std::size_t> scratch_begin_;  // by block
+  std::vector<Gather> gathers_;        // in slot order
   Eigen::VectorXd gradient_;
   Eigen::VectorXd diagonal_;
   double damping_ = 0.0;  // in values_
