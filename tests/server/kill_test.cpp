@@ -179,18 +179,20 @@ class KillTest : public testing::Test {
   std::map<std::string, int> deaths_, ends_;
   std::uint64_t records_ = 0, transactions_ = 0, orders_ = 0, verdicts_ = 0;
   std::string hashes_;
-  test::RestlessOperators operators_{domain_, seed_, 6};
+  test::RestlessOperators operators_{domain_, seed_, 6, {std::begin(kRobots), std::end(kRobots)}};
 };
 
-// The map of a run that nothing disturbs: one robot after the other, and what operators have
-// switched off was never sent.
+// The map of a run that nothing disturbs: one robot after the other, what operators have switched
+// off was never sent, and what they trust is trusted at once.
 PoseGraph undisturbed(const std::map<std::string, std::uint64_t>& steps, const PoseGraph& after) {
-  std::set<std::tuple<std::string, std::uint64_t, std::uint32_t>> off;
+  std::set<std::tuple<std::string, std::uint64_t, std::uint32_t>> off, trusted;
   std::map<NodeId, bool> counts;
   for (std::size_t f = 0; f < after.factors.size(); ++f) {
     const StoredFactor& factor = after.factors[f];
     const TransactionKey& key = factor.name.transaction;
     if (!is_enabled(factor.state)) off.emplace(key.source, key.sequence, factor.name.index);
+    if (factor.state == FactorState::kTrusted)
+      trusted.emplace(key.source, key.sequence, factor.name.index);
     for (const NodeIndex node : factor.nodes)
       counts[after.nodes[node].id] |= is_enabled(factor.state);
   }
@@ -201,11 +203,17 @@ PoseGraph undisturbed(const std::map<std::string, std::uint64_t>& steps, const P
       Transaction step = test::troubled_step(robot, i);
       step.key = {robot, 1, i + 1};
       std::erase_if(step.variables, [&](const NewVariable& v) { return !counts.at(v.node); });
-      std::uint32_t place = 0;
+      std::uint32_t place = 0, kept = 0;
+      std::vector<FactorEdit> trust;
       std::erase_if(step.factors, [&](const NewFactor&) {
-        return off.contains({robot, i + 1, place++});
+        const std::tuple name{std::string(robot), i + 1, place++};
+        if (off.contains(name)) return true;
+        if (trusted.contains(name)) trust.push_back({{step.key, kept}, FactorChange::kTrust});
+        ++kept;
+        return false;
       });
       head.apply(step, {1, 0, ++number});
+      if (!trust.empty()) head.apply(trust, {1, 0, ++number});
     }
   }
   apply_solution(head, head.graph().graph_revision, solve_map(head.graph()), {1, 0, number + 1});

@@ -18,15 +18,18 @@
 
 namespace cairn::test {
 
-/// Operators who order without end, each on a thread, whoever serves: factors off and on, records
-/// undone, with what stands on them too, and orders undone. What is answered is promised. An order
-/// that nobody answers is asked again and again, also of the next daemon.
+/// Operators who order without end, each on a thread, whoever serves: factors off and on, loops
+/// trusted, records and sources' latest undone, with what stands on them too, and orders undone.
+/// What is answered is promised. An order that nobody answers is asked again and again, also of the
+/// next daemon.
 class RestlessOperators {
  public:
   /// By record: what was asked.
   using Promises = std::map<std::uint64_t, std::string>;
 
-  RestlessOperators(std::uint32_t domain, std::uint64_t seed, int count) {
+  RestlessOperators(std::uint32_t domain, std::uint64_t seed, int count,
+                    std::vector<std::string> sources)
+      : sources_(std::move(sources)) {
     for (int i = 0; i < count; ++i)
       threads_.emplace_back([this, domain, seed, i] { run(domain, seed + 1 + i); });
   }
@@ -69,7 +72,7 @@ class RestlessOperators {
       question.options["factors"] = std::vector<std::string>{factor};
       return question;
     };
-    switch (draw(random, 0, 5)) {
+    switch (draw(random, 0, 7)) {
       case 0:
       case 1:  // a step's odometry, a loop of it, or what is false
         return edge("edge disable", std::to_string(any) + ':' + std::to_string(any % 3));
@@ -79,6 +82,13 @@ class RestlessOperators {
         return {"undo", {{"record", any}, {"cascade", false}}};
       case 4:
         return {"undo", {{"record", draw(random, records - 20, records)}, {"cascade", true}}};
+      case 5:
+        return edge(any % 2 == 0 ? "edge trust" : "edge doubt", std::to_string(any));
+      case 6:
+        return {"revoke",
+                {{"source", sources_[any % sources_.size()]},
+                 {"since", std::to_string(draw(random, records - 20, records))},
+                 {"cascade", true}}};
       default:
         return {"undo", {{"record", last_order}, {"cascade", false}}};
     }
@@ -101,6 +111,7 @@ class RestlessOperators {
     return record;
   }
 
+  const std::vector<std::string> sources_;  ///< whose transactions may be revoked
   std::atomic<std::uint64_t> records_{0};
   std::atomic<bool> ending_{false};
   std::mutex mutex_;
