@@ -68,7 +68,8 @@ void Service::hear_promise(const ClientState& client) {
     refill_.begin(now);
     damage_ = "the store ends at " + to_string(head) + ", but source " + client.source +
               " has a receipt of " + to_string(client.receipted) +
-              ": what lies between is lost here, and clients send it again from their spools";
+              ": what lies between is lost here; clients send theirs again from their spools, "
+              "operators must give their orders of that time again";
     announce(Severity::kError, "damage", damage_, journal_.head().revision);
     publish_estimate();
     for (const auto& [source, owner] : writers_.owners())

@@ -53,7 +53,8 @@ void Service::announce_opening() {
   if (!report.damage) return;
   const OpenReport::Damage& damage = *report.damage;
   damage_ = damage.what + "; records up to " + std::to_string(damage.kept) +
-            " are served, clients send the rest again" +
+            " are served, clients send the rest again; orders of operators that came after are "
+            "lost: give them again" +
             (damage.set_aside.empty() ? "" : ", what was found is kept in " + damage.set_aside);
   announce(Severity::kError, "damage", damage_, head);
 }
