@@ -36,9 +36,15 @@ Result<void> LaserFrontend::add_keyframe(const LaserScan& scan) {
     step = keyframes[newest - 1].T_odom_laser.inverse() * keyframes[newest].T_odom_laser;
     T_map_laser = map_.back().T_map_laser * step;
   }
+  if (const auto told = ahead_.extract(newest)) {
+    T_map_laser = told.mapped();
+    optimized_ = newest + 1;
+  }
   map_.push_back({T_map_laser, &keyframes[newest].points});
   if (auto sent = submit_keyframe(scan, step); !sent) return sent;
-  return context_->roles().loop_closer ? close_loops(newest) : Result<void>();
+  // A run before this one has sent the loops of its keyframes.
+  const bool is_new = newest >= context_->keyframes_before();
+  return context_->roles().loop_closer && is_new ? close_loops(newest) : Result<void>();
 }
 
 // What a run before this one has submitted is not sent again, but for the first scan, which the
@@ -85,9 +91,12 @@ void LaserFrontend::on_snapshot(const MapSnapshot& snapshot) {
   for (const PoseChunk& chunk : snapshot.changed) {
     if (chunk.frame != own) continue;
     for (const PoseEstimate& pose : chunk.poses) {
-      if (pose.index >= map_.size()) continue;
-      map_[pose.index].T_map_laser =
-          Se2(pose.T_map_body[0], pose.T_map_body[1], pose.T_map_body[2]);
+      const Se2 T_map_laser(pose.T_map_body[0], pose.T_map_body[1], pose.T_map_body[2]);
+      if (pose.index >= map_.size()) {
+        ahead_[pose.index] = T_map_laser;
+        continue;
+      }
+      map_[pose.index].T_map_laser = T_map_laser;
       optimized_ = std::max(optimized_, static_cast<std::size_t>(pose.index) + 1);
     }
   }

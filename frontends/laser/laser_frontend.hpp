@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <map>
 #include <optional>
 #include <vector>
 
@@ -39,8 +40,9 @@ class LaserFrontend final : public Frontend {
   FrontendContext* context_ = nullptr;
   std::vector<LoopKeyframe> map_;  ///< by keyframe: optimized as far as is known, then by odometry
   std::optional<ContentHash>
-      first_scan_;             ///< named by the second keyframe: the first has no factor
-  std::size_t optimized_ = 0;  ///< keyframes of which the daemon has told a pose
+      first_scan_;                    ///< named by the second keyframe: the first has no factor
+  std::map<std::size_t, Se2> ahead_;  ///< told of keyframes that a run before this one has sent
+  std::size_t optimized_ = 0;         ///< keyframes of which the daemon has told a pose
 };
 
 }  // namespace cairn
