@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <sys/ioctl.h>
 #include <unistd.h>
 
 #include <cstdio>
@@ -7,7 +6,6 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
-#include <sstream>
 #include <string>
 #include <thread>
 
@@ -16,6 +14,7 @@
 #include "clients/cli/interrupt.hpp"
 #include "clients/cli/status_text.hpp"
 #include "clients/cli/target.hpp"
+#include "clients/cli/terminal.hpp"
 #include "clients/cli/verb.hpp"
 #include "server/replay_journal.hpp"
 #include "server/status_json.hpp"
@@ -106,18 +105,6 @@ void print(const Json& status, bool as_json) {
   std::fputs((as_json ? dump(status) + '\n' : text_of_status(status)).c_str(), stdout);
 }
 
-// In place, without a flicker: what is left of the last one is cleared behind each line. What does
-// not fit is cut off: a terminal that scrolls would keep it.
-void draw(const std::string& text) {
-  winsize size{};
-  if (ioctl(STDOUT_FILENO, TIOCGWINSZ, &size) != 0 || size.ws_row < 2) size = {24, 80, 0, 0};
-  std::istringstream lines(text);
-  std::string all = "\x1b[H", line;
-  for (int row = 1; row < size.ws_row && std::getline(lines, line); ++row)
-    all += line.substr(0, size.ws_col) + "\x1b[K\n";
-  std::fputs((all + "\x1b[J").c_str(), stdout);
-}
-
 int watch(Client& client, const StatusArguments& a) {
   const InterruptGuard guard;
   const bool in_place = !a.json && isatty(STDOUT_FILENO) == 1;
@@ -126,13 +113,13 @@ int watch(Client& client, const StatusArguments& a) {
     const auto next = std::chrono::steady_clock::now() + std::chrono::duration<double>(*a.every_s);
     const Result<Json> status = status_of_daemon(client, std::chrono::seconds(5));
     if (!status && in_place)  // it may come back
-      draw(status.error().to_string());
+      draw_in_place(status.error().to_string());
     else if (!status)
       (void)fail(status.error());
     else if (a.json)
       std::printf("%s\n", dump(*status, -1).c_str());
     else if (in_place)
-      draw(text_of_status(*status));
+      draw_in_place(text_of_status(*status));
     else
       std::printf("%s\n", text_of_status(*status).c_str());
     if (std::fflush(stdout) != 0) return kInternalError;

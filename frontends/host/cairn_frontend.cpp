@@ -21,7 +21,7 @@ constexpr const char* kFooter =
     "Exit codes: 0 everything is durable, 2 usage, 3 bad input, 4 refused, 5 no daemon answers.";
 
 struct Arguments {
-  std::string frontend, input, role = "both", spool, trajectory;
+  std::string frontend, input, role = "both", spool, trajectory, truth;
   cairn::HostOptions host{};
   double timeout_s = 30.0;
   bool settle = false, quiet = false;
@@ -49,9 +49,18 @@ void tell(const cairn::FrontendHost& host, double seconds) {
       1e3 * percentile(counts.frame_s, 0.99));
 }
 
+cairn::Result<void> write_truth(const cairn::FrameSource& input, const Arguments& a) {
+  const std::string truth = input.truth();
+  if (truth.empty())
+    return cairn::Error{cairn::ErrorCode::kUsage, "nobody knows the truth of " + a.input +
+                                                      ": --truth is for --input simulated"};
+  return cairn::write_file(a.truth, truth);
+}
+
 int run(Arguments& a) {
-  if (!a.trajectory.empty()) {
-    if (auto writable = cairn::check_writable(a.trajectory); !writable)
+  for (const std::string& file : {a.trajectory, a.truth}) {
+    if (file.empty()) continue;
+    if (auto writable = cairn::check_writable(file); !writable)
       return cairn::fail(writable.error());
   }
   if (auto known = cairn::make_frontend(a.frontend); !known) return cairn::fail(known.error());
@@ -60,6 +69,9 @@ int run(Arguments& a) {
   if ((*input)->is_live() && (a.host.rate_hz > 0.0 || a.host.lockstep))
     return cairn::fail({cairn::ErrorCode::kUsage,
                         "--rate and --lockstep are for logs: a live robot sets the pace"});
+  if (!a.truth.empty()) {
+    if (auto written = write_truth(**input, a); !written) return cairn::fail(written.error());
+  }
   a.host.roles = {a.role == "both"};
   a.host.spool = a.spool;
   a.host.keep_frames = !a.trajectory.empty();
@@ -124,6 +136,9 @@ int main(int argc, char** argv) {
   app.add_flag("--settle", a.settle, "settle the map afterwards, and print the result");
   app.add_option("--trajectory", a.trajectory,
                  "write where the sensor was at each frame (TUM; `cairn eval` reads it)")
+      ->type_name("FILE")
+      ->default_str("");
+  app.add_option("--truth", a.truth, "write where the simulated sensor truly was (TUM)")
       ->type_name("FILE")
       ->default_str("");
   app.add_flag("-q,--quiet", a.quiet, "say nothing but warnings and errors");

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "frontends/carmen/carmen_log.hpp"
+#include "frontends/host/tum.hpp"
 #include "frontends/ros/ros_robot.hpp"
 #include "frontends/simulated/simulated_drive.hpp"
 
@@ -16,14 +17,18 @@ namespace {
 
 class ScanSource final : public FrameSource {
  public:
-  explicit ScanSource(std::vector<LaserScan> scans) : scans_(std::move(scans)) {}
+  explicit ScanSource(std::vector<LaserScan> scans, std::string truth = {})
+      : scans_(std::move(scans)), truth_(std::move(truth)) {}
   Result<NextFrame> next() override {
     if (next_ == scans_.size()) return NextFrame(EndOfInput());
     return NextFrame(SensorFrame(std::move(scans_[next_++])));
   }
 
+  [[nodiscard]] std::string truth() const override { return truth_; }
+
  private:
   std::vector<LaserScan> scans_;
+  std::string truth_;
   std::size_t next_ = 0;
 };
 
@@ -34,7 +39,12 @@ Result<std::unique_ptr<FrameSource>> open_simulation(const std::string& seed) {
     return Error{ErrorCode::kUsage, "the seed '" + seed.substr(0, 40) +
                                         "' of the simulation is no whole number; expected "
                                         "simulated or simulated:SEED"};
-  return std::unique_ptr<FrameSource>(std::make_unique<ScanSource>(simulate_drive(options).scans));
+  SimulatedDrive drive = simulate_drive(options);
+  std::string truth = kTumHeader;
+  for (std::size_t i = 0; i < drive.scans.size(); ++i)
+    truth += tum_line(drive.scans[i].stamp_ns, drive.truth[i]);
+  return std::unique_ptr<FrameSource>(
+      std::make_unique<ScanSource>(std::move(drive.scans), std::move(truth)));
 }
 
 Result<std::unique_ptr<FrameSource>> open_log(const std::string& path) {

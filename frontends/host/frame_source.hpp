@@ -25,6 +25,8 @@ class FrameSource {
   [[nodiscard]] virtual bool is_live() const { return false; }
   /// Who of the source is to be told what becomes of its frames; or null.
   [[nodiscard]] virtual HostObserver* observer() { return nullptr; }
+  /// Where the sensor truly was at each frame, as lines of a TUM trajectory; empty: nobody knows.
+  [[nodiscard]] virtual std::string truth() const { return {}; }
   /// What to tell at the end, such as frames that were lost; empty: nothing.
   [[nodiscard]] virtual std::string report() const { return {}; }
 };

@@ -10,7 +10,7 @@
 
 #include "cairn/core/output_file.hpp"
 #include "cairn/core/stopwatch.hpp"
-#include "cairn/io/time_stamp.hpp"
+#include "frontends/host/tum.hpp"
 
 namespace cairn {
 namespace {
@@ -243,17 +243,13 @@ Result<void> FrontendHost::write_trajectory(const std::string& path) {
                  "warning: %s: its lines are of %zu maps that nothing ties together: each begins "
                  "at its own origin\n",
                  path.c_str(), maps.size());
-  std::string text = "# stamp tx ty tz qx qy qz qw\n";
+  std::string text = kTumHeader;
   for (const LocalizedFrame& frame : localized_) {
     const auto keyframe = pose_of.find(frame.keyframe);
     if (keyframe == pose_of.end())
       return Error{ErrorCode::kNotUsable,
                    "the daemon has not told the pose of " + to_string(frame.keyframe)};
-    const Se2 T = keyframe->second * frame.T_keyframe_body;
-    char line[160];
-    std::snprintf(line, sizeof line, " %.9f %.9f 0 0 0 %.12f %.12f\n", T.x(), T.y(),
-                  std::sin(0.5 * T.theta()), std::cos(0.5 * T.theta()));
-    text += format_stamp(frame.stamp_ns) + line;
+    text += tum_line(frame.stamp_ns, keyframe->second * frame.T_keyframe_body);
   }
   return write_file(path, text);
 }

@@ -5,6 +5,7 @@
 
 #include <csignal>
 #include <fstream>
+#include <nlohmann/json.hpp>
 #include <sstream>
 
 #include "frontends/host/frame_source.hpp"
@@ -37,22 +38,27 @@ TEST(FrontendProcess, MapsASimulatedBuildingAndGoesOnWhereItsSpoolEnds) {
   const test::TemporaryFolder folder;
   const std::string domain = std::to_string(test::own_domain());
   Process daemon({CAIRND_BINARY, "--data", folder.file("data"), "--domain", domain});
-  const std::vector<std::string> words{
-      "laser",   "--input",  "simulated",          "--robot",
-      "kestrel", "--spool",  folder.file("spool"), "--domain",
-      domain,    "--settle", "--trajectory",       folder.file("kestrel.tum")};
+  const std::string truth = folder.file("truth.tum"), estimate = folder.file("kestrel.tum");
+  const std::vector<std::string> words{"laser",   "--input",  "simulated",          "--robot",
+                                       "kestrel", "--spool",  folder.file("spool"), "--domain",
+                                       domain,    "--settle", "--trajectory",       estimate,
+                                       "--truth", truth};
   const ProcessResult first = run_frontend(words);
   ASSERT_EQ(first.exit_code, 0) << first.err;
   EXPECT_THAT(first.out, HasSubstr("1691 frames, "));
   EXPECT_THAT(first.out, HasSubstr("settled at "));
-  EXPECT_EQ(count_lines(folder.file("kestrel.tum")), 1691u);
+  EXPECT_EQ(count_lines(estimate), 1691u);
+  const ProcessResult judged =
+      Process({CAIRN_BINARY, "eval", "ate", truth, estimate, "--quiet", "--json", "-"}).wait();
+  ASSERT_EQ(judged.exit_code, 0) << judged.err;
+  EXPECT_LT(nlohmann::json::parse(judged.out)["translation"]["rmse"].get<double>(), 0.05);
   const ProcessResult status = Process({CAIRN_BINARY, "status", "--domain", domain}).wait();
   EXPECT_THAT(status.out, HasSubstr("kestrel-tracker"));
   EXPECT_THAT(status.out, HasSubstr("kestrel-loops"));
-  // Everything was sent: the same run again adds no keyframe.
+  // Everything was sent: the same run again adds nothing.
   const ProcessResult again = run_frontend(words);
   ASSERT_EQ(again.exit_code, 0) << again.err;
-  EXPECT_THAT(again.out, HasSubstr("1691 frames, 0 keyframes "));
+  EXPECT_THAT(again.out, HasSubstr("1691 frames, 0 keyframes and 0 loop closures "));
   daemon.send(SIGTERM);
   EXPECT_EQ(daemon.wait().exit_code, 0);
 }
@@ -133,6 +139,10 @@ TEST(FrontendProcess, SaysWhatItCannotDo) {
   expect({"laser", "--input", "ros:domain=229", "--rate", "5"}, 2, "a live robot sets the pace");
   expect({"laser", "--input", "simulated:x"}, 2,
          "the seed 'x' of the simulation is no whole number");
+  std::ofstream(folder.file("one.clf")) << "PARAM laser_front_laser_resolution 1.0\n"
+                                           "FLASER 3 1.0 1.0 1.0 0 0 0 0 0 0 1.0 host 1.0\n";
+  expect({"laser", "--input", folder.file("one.clf"), "--truth", folder.file("truth.tum")}, 2,
+         "--truth is for --input simulated");
   expect({"laser", "--input", "/no/such/log"}, 3, "/no/such/log");
   expect({"laser", "--input", "simulated", "--rate", "-1"}, 2, "--rate");
   expect({"laser", "--input", "simulated", "--trajectory", "/no/such/folder/t.tum"}, 2,
