@@ -110,7 +110,7 @@ Setting text(std::string section, std::string key, std::string meaning, std::siz
 const std::vector<Setting>& settings() {
   constexpr std::int64_t kSecond = 1'000'000'000;  // of nanoseconds
   constexpr std::int64_t kDay = 86'400'000;        // of milliseconds
-  constexpr std::int64_t kMegabyte = 1 << 20;
+  constexpr std::int64_t kKilobyte = 1 << 10;
   static const std::vector<Setting> all{
       number("network", "domain", "DDS domain; --domain overrides it", {0, 232},
              [](auto& c) -> auto& { return c.domain; }),
@@ -161,9 +161,9 @@ const std::vector<Setting>& settings() {
           "estimates are stored after so many records, so that a start need not apply all solves",
           {1, 1'000'000'000}, [](auto& c) -> auto& { return c.service.snapshot_every; }),
       number(
-          "journal", "buffer_mb",
-          "records stay in memory until there are so many MB of them; for a while twice as much",
-          {1, 1024}, [](auto& c) -> auto& { return c.journal_buffer_bytes; }, kMegabyte),
+          "journal", "buffer_kb",
+          "records stay in memory until there are so many KB of them; for a while twice as much",
+          {64, 1'048'576}, [](auto& c) -> auto& { return c.journal_buffer_bytes; }, kKilobyte),
       number("intake", "held",
              "transactions of all sources that may wait for an earlier one or for another source",
              {1, 1'000'000}, [](auto& c) -> auto& { return c.service.limits.held; }),

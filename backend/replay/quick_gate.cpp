@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "cairn/factors/factor_codec.hpp"
+#include "cairn/solver/loop_cycles.hpp"
 #include "cairn/solver/loop_trial.hpp"
 #include "cairn/solver/optimize.hpp"
 
@@ -69,6 +70,42 @@ bool another_fits(const PoseGraph& map, const SettledEstimate& settled, double t
   return false;
 }
 
+// A newcomer that fits agrees with one that is out: evidence for that one has grown.
+template <class Pose>
+bool supports_one(const Graph& graph, const std::vector<FactorState>& states, double threshold) {
+  const LoopCycles<Pose> cycles(graph);
+  const auto of_state = [&](FactorState state) {
+    std::vector<typename LoopCycles<Pose>::Loop> loops;
+    for (const auto& loop : cycles.loops())
+      if (states[loop.factor] == state) loops.push_back(loop);
+    return loops;
+  };
+  const auto out = of_state(FactorState::kQuarantined);
+  for (const auto& newcomer : of_state(FactorState::kPending))
+    for (const auto& loop : out)
+      if (cycles.share_chains(newcomer, loop) && cycles.distance(newcomer, loop) <= kReach &&
+          cycles.chi2(newcomer, loop) <= threshold)
+        return true;
+  return false;
+}
+
+template <class IsNew>
+bool evidence_grows(const PoseGraph& map, IsNew is_new, double threshold) {
+  const auto is_out = [&](std::uint32_t f) {
+    return map.factors[f].state == FactorState::kQuarantined;
+  };
+  bool any_out = false;
+  const CanonicalOrder order(map, [&](std::uint32_t f) {
+    any_out |= is_out(f);
+    return takes_part(map.factors[f].state) || is_new(f) || is_out(f);
+  });
+  if (!any_out) return false;
+  std::vector<FactorState> states;
+  for (const std::uint32_t f : order.factors) states.push_back(map.factors[f].state);
+  const Graph graph = canonical_graph(map, order);
+  return supports_one<Se2>(graph, states, threshold) || supports_one<Se3>(graph, states, threshold);
+}
+
 }  // namespace
 
 std::optional<SettledEstimate> try_newcomers(const PoseGraph& map, const SettleOptions& options) {
@@ -93,7 +130,8 @@ std::optional<SettledEstimate> try_newcomers(const PoseGraph& map, const SettleO
   const double before = chi2_without(map, settled.order, settled.graph, is_old, options);
   LoopTrial trial = try_loops(settled.graph, newcomers, before, optimizer_options(options));
   if (trial.summary.stop_reason != StopReason::kInterrupted &&
-      (!trial.passed || another_fits(map, settled, trial.threshold)))
+      (!trial.passed || another_fits(map, settled, trial.threshold) ||
+       evidence_grows(map, is_new, trial.threshold)))
     return std::nullopt;
   settled.summary = std::move(trial.summary);
   for (const std::size_t i : newcomers)

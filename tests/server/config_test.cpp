@@ -15,7 +15,7 @@ TEST(Config, SetsWhatAFileNamesAndLeavesTheRest) {
       read_config_text("network: {domain: 7, profile: radio, interface: wlan0}\n"
                        "solve:\n  after_pause_ms: 50\n"
                        "intake:\n  patience_s: 3\n"
-                       "journal: {buffer_mb: 4}\n"
+                       "journal: {buffer_kb: 4096}\n"
                        "log: {format: json, from: warning}\n",
                        "f", config));
   EXPECT_EQ(config.domain, 7U);

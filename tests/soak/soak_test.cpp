@@ -296,7 +296,7 @@ class Soak : public testing::Test {
   const std::uint32_t domain_ = test::own_domain();
   test::TemporaryFolder folder_;
   // Else memory grows for half an hour, until the journal has written its first 64 MB.
-  const std::string config_ = folder_.write("cairnd.yaml", "journal: {buffer_mb: 1}\n");
+  const std::string config_ = folder_.write("cairnd.yaml", "journal: {buffer_kb: 64}\n");
   Process daemon_;
   std::array<Process, 3> robots_;
   std::array<std::uint64_t, 3> steps_{};
