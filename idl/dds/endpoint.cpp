@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <string_view>
 
 namespace cairn::dds {
 namespace {
@@ -20,7 +21,10 @@ void report_misfit(dds_entity_t endpoint, std::uint32_t policy, void* argument) 
   if (trouble)
     trouble({ErrorCode::kUnreachable,
              "a peer's quality of service or type does not fit (DDS policy " +
-                 std::to_string(policy) + "); is it another version of Cairn?",
+                 std::to_string(policy) + "); " +
+                 (std::string_view(name.data()).starts_with("rt/")
+                      ? "what fits stands in idl/README.md, ROS 2"
+                      : "is it another version of Cairn?"),
              name.data()});
 }
 
@@ -43,16 +47,24 @@ Listener make_listener(Endpoint::Role role, const TroubleHandler* trouble) {
   return listener;
 }
 
+std::int32_t depth_of(Traffic traffic) {
+  if (traffic == Traffic::kSensor) return 20;
+  return traffic == Traffic::kTransforms ? 100 : 1;
+}
+
 }  // namespace
 
 Qos make_qos(Traffic traffic) {
   Qos qos(dds_create_qos());
-  dds_qset_reliability(qos.get(), DDS_RELIABILITY_RELIABLE, DDS_MSECS(100));
+  dds_qset_reliability(
+      qos.get(),
+      traffic == Traffic::kSensor ? DDS_RELIABILITY_BEST_EFFORT : DDS_RELIABILITY_RELIABLE,
+      DDS_MSECS(100));
   dds_qset_writer_data_lifecycle(qos.get(), false);  // who dies has not deleted anything
   if (traffic == Traffic::kEvery)
     dds_qset_history(qos.get(), DDS_HISTORY_KEEP_ALL, 0);
   else
-    dds_qset_history(qos.get(), DDS_HISTORY_KEEP_LAST, 1);
+    dds_qset_history(qos.get(), DDS_HISTORY_KEEP_LAST, depth_of(traffic));
   if (traffic == Traffic::kLatest) {
     dds_qset_durability(qos.get(), DDS_DURABILITY_TRANSIENT_LOCAL);
     dds_qset_durability_service(qos.get(), 0, DDS_HISTORY_KEEP_LAST, 1, DDS_LENGTH_UNLIMITED,

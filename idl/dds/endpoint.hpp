@@ -52,7 +52,12 @@ template <class T>
 class Writer {
  public:
   static Result<Writer> make(const Participant& participant, const TroubleHandler* trouble) {
-    auto endpoint = Endpoint::make(participant, describe<T>(), Endpoint::Role::kWriter, trouble);
+    return make(participant, describe<T>(), trouble);
+  }
+  static Result<Writer> make(const Participant& participant,
+                             const Endpoint::Description& description,
+                             const TroubleHandler* trouble) {
+    auto endpoint = Endpoint::make(participant, description, Endpoint::Role::kWriter, trouble);
     if (!endpoint) return endpoint.error();
     return Writer(std::move(*endpoint));
   }
@@ -92,8 +97,13 @@ class Reader {
  public:
   static Result<Reader> make(const Participant& participant, const TroubleHandler* trouble,
                              Filter filter = {}) {
+    return make(participant, describe<T>(), trouble, filter);
+  }
+  static Result<Reader> make(const Participant& participant,
+                             const Endpoint::Description& description,
+                             const TroubleHandler* trouble, Filter filter = {}) {
     auto endpoint =
-        Endpoint::make(participant, describe<T>(), Endpoint::Role::kReader, trouble, filter);
+        Endpoint::make(participant, description, Endpoint::Role::kReader, trouble, filter);
     if (!endpoint) return endpoint.error();
     return Reader(std::move(*endpoint));
   }
