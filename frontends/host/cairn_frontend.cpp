@@ -38,10 +38,12 @@ double percentile(std::vector<double> values, double share) {
 
 void tell(const cairn::FrontendHost& host, double seconds) {
   const auto& counts = host.counts();
+  const std::string epochs =
+      counts.epochs > 1 ? " in " + std::to_string(counts.epochs) + " epochs" : "";
   std::printf(
-      "%llu frames, %llu keyframes and %llu loop closures in %.1f s; a frame took %.1f ms "
+      "%llu frames%s, %llu keyframes and %llu loop closures in %.1f s; a frame took %.1f ms "
       "(median), %.1f ms (99 %%)\n",
-      static_cast<unsigned long long>(counts.frames),
+      static_cast<unsigned long long>(counts.frames), epochs.c_str(),
       static_cast<unsigned long long>(counts.keyframes),
       static_cast<unsigned long long>(counts.loops), seconds, 1e3 * percentile(counts.frame_s, 0.5),
       1e3 * percentile(counts.frame_s, 0.99));
@@ -52,20 +54,25 @@ int run(Arguments& a) {
     if (auto writable = cairn::check_writable(a.trajectory); !writable)
       return cairn::fail(writable.error());
   }
-  auto frontend = cairn::make_frontend(a.frontend);
-  if (!frontend) return cairn::fail(frontend.error());
-  auto input = cairn::open_input(a.input);
+  if (auto known = cairn::make_frontend(a.frontend); !known) return cairn::fail(known.error());
+  auto input = cairn::open_input(a.input, a.host.domain);
   if (!input) return cairn::fail(input.error());
+  if ((*input)->is_live() && (a.host.rate_hz > 0.0 || a.host.lockstep))
+    return cairn::fail({cairn::ErrorCode::kUsage,
+                        "--rate and --lockstep are for logs: a live robot sets the pace"});
   a.host.roles = {a.role == "both"};
   a.host.spool = a.spool;
+  a.host.keep_frames = !a.trajectory.empty();
   a.host.timeout = std::chrono::milliseconds(static_cast<std::int64_t>(1000.0 * a.timeout_s));
   auto host = cairn::FrontendHost::connect(a.host);
   if (!host) return cairn::fail(host.error());
   std::signal(SIGINT, [](int) { interrupted = 1; });
   std::signal(SIGTERM, [](int) { interrupted = 1; });
   const cairn::Stopwatch watch;
-  const auto done = (*host)->run(
-      **frontend, [&] { return (*input)->next(); }, [] { return interrupted == 0; });
+  const auto done = (*host)->run([&] { return cairn::make_frontend(a.frontend); }, **input,
+                                 [] { return interrupted == 0; });
+  if (const std::string report = (*input)->report(); !report.empty())
+    std::fprintf(stderr, "%s\n", report.c_str());
   if (!done) return cairn::fail(done.error());
   if (!a.quiet) tell(**host, watch.seconds());
   if (a.settle) {
@@ -88,7 +95,10 @@ int main(int argc, char** argv) {
   app.add_option("FRONTEND", a.frontend, "laser, or the path of a shared object")
       ->required()
       ->default_str("");
-  app.add_option("--input", a.input, "CARMEN log (text, .gz, .bz2), or simulated:SEED")
+  app.add_option("--input", a.input,
+                 "CARMEN log (text, .gz, .bz2), simulated:SEED, or ros:KEY=VALUE,...: the topics "
+                 "of a ROS 2 "
+                 "robot")
       ->required()
       ->default_str("")
       ->type_name("LOG");

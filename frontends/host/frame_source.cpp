@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "frontends/host/frame_source.hpp"
 
+#include <algorithm>
 #include <charconv>
 #include <cstdio>
 #include <utility>
 #include <vector>
 
 #include "frontends/carmen/carmen_log.hpp"
+#include "frontends/ros/ros_robot.hpp"
 #include "frontends/simulated/simulated_drive.hpp"
 
 namespace cairn {
@@ -15,9 +17,9 @@ namespace {
 class ScanSource final : public FrameSource {
  public:
   explicit ScanSource(std::vector<LaserScan> scans) : scans_(std::move(scans)) {}
-  Result<std::optional<SensorFrame>> next() override {
-    if (next_ == scans_.size()) return std::optional<SensorFrame>();
-    return std::optional<SensorFrame>(std::move(scans_[next_++]));
+  Result<NextFrame> next() override {
+    if (next_ == scans_.size()) return NextFrame(EndOfInput());
+    return NextFrame(SensorFrame(std::move(scans_[next_++])));
   }
 
  private:
@@ -45,10 +47,12 @@ Result<std::unique_ptr<FrameSource>> open_log(const std::string& path) {
 
 }  // namespace
 
-Result<std::unique_ptr<FrameSource>> open_input(const std::string& name) {
+Result<std::unique_ptr<FrameSource>> open_input(const std::string& name, std::uint32_t domain) {
   const std::string simulated = "simulated";
   if (name == simulated) return open_simulation("");
   if (name.starts_with(simulated + ":")) return open_simulation(name.substr(simulated.size() + 1));
+  if (name == "ros" || name.starts_with("ros:"))
+    return open_ros_robot(name.substr(std::min<std::size_t>(name.size(), 4)), domain);
   return open_log(name);
 }
 

@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "frontends/host/host.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <random>
+#include <set>
 #include <thread>
 
 #include "cairn/core/output_file.hpp"
@@ -22,6 +25,11 @@ Result<Client> connect_as(const HostOptions& options, const std::string& source)
   client.robot = options.robot;
   if (!options.spool.empty()) client.spool = options.spool / source;
   return Client::connect(client);
+}
+
+std::uint64_t random_epoch() {
+  std::random_device random;
+  return std::uint64_t{random()} << 32 | random();
 }
 
 }  // namespace
@@ -52,43 +60,92 @@ FrontendHost::~FrontendHost() {
   tracker_.reset();
 }
 
-Result<void> FrontendHost::run(Frontend& frontend, const NextFrame& next,
+Result<void> FrontendHost::run(const MakeFrontend& make, FrameSource& source,
                                const std::function<bool()>& keep_going) {
-  if (auto started = frontend.start(*this); !started) return started;
+  live_ = source.is_live();
+  observer_ = source.observer();
+  frame_ = {options_.robot, live_ ? random_epoch() : tracker_->epoch()};
+  if (live_) keyframes_before_ = 0;
+  if (auto begun = begin_epoch(make); !begun) return begun;
   const auto begin = std::chrono::steady_clock::now();
   while (!keep_going || keep_going()) {
-    if (options_.rate_hz > 0.0)
-      std::this_thread::sleep_until(
-          begin +
-          std::chrono::duration_cast<std::chrono::nanoseconds>(std::chrono::duration<double>(
-              static_cast<double>(counts_.frames) / options_.rate_hz)));
-    Result<std::optional<SensorFrame>> frame = next();
-    if (!frame) return frame.error();
-    if (!*frame) break;
-    deliver_snapshot(frontend);
-    const Stopwatch watch;
-    if (auto done = frontend.process(**frame); !done) return done;
-    counts_.frame_s.push_back(watch.seconds());
-    ++counts_.frames;
-    if (!options_.lockstep) continue;
-    if (auto settled = keep_step(); !settled) return settled;
+    wait_for_turn(begin);
+    const Result<NextFrame> next = source.next();
+    if (!next) return next.error();
+    if (std::holds_alternative<EndOfInput>(*next)) break;
+    deliver_snapshot();
+    if (const auto* frame = std::get_if<SensorFrame>(&*next)) {
+      if (auto done = process(make, *frame); !done) return done;
+    }
   }
-  if (auto stopped = frontend.stop(); !stopped) return stopped;
+  if (auto stopped = frontend_->stop(); !stopped) return stopped;
   return wait_for(0);
 }
 
-void FrontendHost::deliver_snapshot(Frontend& frontend) {
+void FrontendHost::wait_for_turn(std::chrono::steady_clock::time_point begin) const {
+  if (options_.rate_hz <= 0.0) return;
+  const std::chrono::duration<double> until(static_cast<double>(counts_.frames) / options_.rate_hz);
+  std::this_thread::sleep_until(begin +
+                                std::chrono::duration_cast<std::chrono::nanoseconds>(until));
+}
+
+// Keyframes that an interrupted run has sent are counted through all epochs.
+Result<void> FrontendHost::begin_epoch(const MakeFrontend& make) {
+  if (frontend_) {
+    if (auto stopped = frontend_->stop(); !stopped) return stopped;
+    keyframes_before_ -= std::min(keyframes_before_, keyframes_of_epoch_);
+    keyframes_of_epoch_ = 0;
+    ++frame_.epoch;
+  }
+  Result<std::unique_ptr<Frontend>> made = make();
+  if (!made) return made.error();
+  frontend_ = std::move(*made);
+  ++counts_.epochs;
+  if (observer_ != nullptr) observer_->on_epoch(frame_);
+  return frontend_->start(*this);
+}
+
+Result<void> FrontendHost::process(const MakeFrontend& make, const SensorFrame& frame) {
+  const std::int64_t stamp_ns = std::visit([](const auto& f) { return f.stamp_ns; }, frame);
+  const auto newest = watch_.newest();
+  if (watch_.begins_anew(stamp_ns)) {
+    std::fprintf(stderr,
+                 "warning: %s: frame %llu is %.1f s behind the newest: a new epoch begins, with a "
+                 "map of its own\n",
+                 options_.robot.c_str(), static_cast<unsigned long long>(counts_.frames + 1),
+                 1e-9 * (static_cast<double>(*newest) - static_cast<double>(stamp_ns)));
+    if (auto begun = begin_epoch(make); !begun) return begun;
+  }
+  const Stopwatch watch;
+  latest_.reset();
+  if (auto done = frontend_->process(frame); !done) return done;
+  constexpr std::size_t kMostTimes = 1'000'000;
+  counts_.frame_s.resize(std::min<std::size_t>(counts_.frames + 1, kMostTimes));
+  counts_.frame_s[counts_.frames++ % kMostTimes] = watch.seconds();
+  if (observer_ != nullptr && latest_) observer_->on_localized(frame, *latest_);
+  return options_.lockstep ? keep_step() : Result<void>();
+}
+
+void FrontendHost::deliver_snapshot() {
   MapSnapshot snapshot;
   {
     const std::lock_guard lock(mutex_);
     if (arrived_.changed.empty()) return;
     snapshot = std::exchange(arrived_, {});
   }
-  frontend.on_snapshot(snapshot);
+  frontend_->on_snapshot(snapshot);
+  if (observer_ != nullptr) observer_->on_snapshot(snapshot);
+}
+
+void FrontendHost::localize(const LocalizedFrame& frame) {
+  keyframes_of_epoch_ = std::max(keyframes_of_epoch_, frame.keyframe.index + 1);
+  latest_ = frame;
+  if (options_.keep_frames) localized_.push_back(frame);
 }
 
 Result<void> FrontendHost::submit_keyframe(Transaction transaction) {
   ++counts_.keyframes;
+  if (observer_ != nullptr) observer_->on_keyframe(transaction);
   return keep(tracker_->submit_async(std::move(transaction)));
 }
 
@@ -102,10 +159,12 @@ Result<ContentHash> FrontendHost::send_payload(const std::string& type, const st
   return tracker_->send_payload(type, bytes);
 }
 
+// The world does not wait for a daemon: what a live source brings stays in the spool until one is
+// there.
 Result<void> FrontendHost::keep(Result<Submission> taken) {
   if (!taken) return taken.error();
   waiting_.push_back(std::move(*taken));
-  return wait_for(kMostUndecided);
+  return live_ ? take_decided() : wait_for(kMostUndecided);
 }
 
 // Until no more than so many are undecided.
@@ -113,14 +172,29 @@ Result<void> FrontendHost::wait_for(std::size_t at_most) {
   while (waiting_.size() > at_most) {
     const Result<Receipt> receipt = waiting_.front().wait(options_.timeout);
     if (!receipt) return receipt.error();
-    if (receipt->refusal)
-      return Error{ErrorCode::kNotUsable, "transaction " + std::to_string(receipt->key.sequence) +
-                                              " of " + receipt->key.source + " was refused: " +
-                                              std::string(to_string(*receipt->refusal)) + ": " +
-                                              receipt->reason};
-    newest_ = std::max(newest_, receipt->revision);
-    waiting_.pop_front();
+    if (auto taken = take_receipt(*receipt); !taken) return taken;
   }
+  return {};
+}
+
+Result<void> FrontendHost::take_decided() {
+  while (!waiting_.empty()) {
+    const Result<Receipt> receipt = waiting_.front().wait(std::chrono::milliseconds(0));
+    if (!receipt && receipt.error().code == ErrorCode::kUnreachable) return {};
+    if (!receipt) return receipt.error();
+    if (auto taken = take_receipt(*receipt); !taken) return taken;
+  }
+  return {};
+}
+
+Result<void> FrontendHost::take_receipt(const Receipt& receipt) {
+  if (receipt.refusal)
+    return Error{
+        ErrorCode::kNotUsable,
+        "transaction " + std::to_string(receipt.key.sequence) + " of " + receipt.key.source +
+            " was refused: " + std::string(to_string(*receipt.refusal)) + ": " + receipt.reason};
+  newest_ = std::max(newest_, receipt.revision);
+  waiting_.pop_front();
   return {};
 }
 
@@ -152,13 +226,23 @@ Result<void> FrontendHost::write_trajectory(const std::string& path) {
     if (auto told = tracker_->wait_for(newest_, options_.timeout); !told) return told;
   }
   std::map<NodeId, Se2> pose_of;
+  std::set<std::string> maps;
+  std::set<OdometryFrame> frames;
+  for (const LocalizedFrame& frame : localized_) frames.insert(frame.keyframe.frame);
   {
     const std::lock_guard lock(mutex_);
-    for (const auto& [key, chunk] : poses_)
+    for (const auto& [key, chunk] : poses_) {
+      if (frames.contains(chunk.frame)) maps.insert(chunk.map);
       for (const PoseEstimate& pose : chunk.poses)
         pose_of.emplace(NodeId{chunk.frame, pose.index},
                         Se2(pose.T_map_body[0], pose.T_map_body[1], pose.T_map_body[2]));
+    }
   }
+  if (maps.size() > 1)
+    std::fprintf(stderr,
+                 "warning: %s: its lines are of %zu maps that nothing ties together: each begins "
+                 "at its own origin\n",
+                 path.c_str(), maps.size());
   std::string text = "# stamp tx ty tz qx qy qz qw\n";
   for (const LocalizedFrame& frame : localized_) {
     const auto keyframe = pose_of.find(frame.keyframe);
