@@ -135,6 +135,7 @@ struct Robot {
                                                   100)) {}
 
   void wait_for_peers() const {
+    int patience = 0;  // odometry and transforms may be switched off
     for (int i = 0; i < 3000; ++i) {
       PublicationMatchedStatus s, o;
       SubscriptionMatchedStatus t, p;
@@ -142,11 +143,11 @@ struct Robot {
       odometry->get_publication_matched_status(o);
       tf->get_subscription_matched_status(t);
       path->get_subscription_matched_status(p);
-      if (s.current_count > 0 && o.current_count > 0 && t.current_count > 0 && p.current_count > 0)
-        return;
+      const bool needed = s.current_count > 0 && p.current_count > 0;
+      if (needed && ((o.current_count > 0 && t.current_count > 0) || ++patience > 200)) return;
       std::this_thread::sleep_for(std::chrono::milliseconds(10));
     }
-    fail("nobody subscribes to rt/scan and rt/odom and publishes rt/tf and rt/trajectory");
+    fail("nobody subscribes to rt/scan and publishes rt/trajectory");
   }
 
   // The laser of the drive sits on a base like ROS's, away from its middle and turned.
