@@ -20,6 +20,9 @@ class RosOutput final : public HostObserver {
   static Result<RosOutput> make(const dds::Participant& participant, const RosSettings& settings,
                                 const dds::TroubleHandler* trouble);
 
+  /// Where the laser, which is the body of poses in the map, sits on the robot.
+  void set_T_base_laser(const Se2& T_base_laser) { T_base_laser_ = T_base_laser; }
+
   void on_epoch(const OdometryFrame& frame) override;
   void on_keyframe(const Transaction& keyframe) override;
   void on_snapshot(const MapSnapshot& snapshot) override;
@@ -37,6 +40,7 @@ class RosOutput final : public HostObserver {
   std::optional<dds::Writer<ros::TFMessage>> tf_;
   std::optional<dds::Writer<ros::Path>> path_;
   LiveTrajectory trajectory_;
+  Se2 T_base_laser_;
   struct Placed {
     std::int64_t stamp_ns;
     Se2 T_odom_laser;  ///< by the robot's odometry

@@ -81,6 +81,7 @@ const std::vector<Key>& keys() {
       topic("scan", &RosSettings::scan, false),
       topic("odom", &RosSettings::odometry, true),
       topic("tf", &RosSettings::tf, true),
+      topic("tf_static", &RosSettings::tf_static, true),
       topic("trajectory", &RosSettings::trajectory, true),
       frame("map_frame", &RosSettings::map_frame),
       frame("odom_frame", &RosSettings::odom_frame),

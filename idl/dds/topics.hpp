@@ -8,11 +8,12 @@ namespace cairn::dds {
 
 /// How the samples of a topic are treated; idl/README.md has the table.
 enum class Traffic {
-  kLatest,      ///< reliable, the newest of each instance kept for late joiners
-  kEvery,       ///< reliable, all of them, to those who are there
-  kBulk,        ///< reliable, the newest of each instance, to those who are there
-  kSensor,      ///< best effort, the newest 20, to those who are there
-  kTransforms,  ///< reliable, the newest 100, to those who are there
+  kLatest,           ///< reliable, the newest of each instance kept for late joiners
+  kEvery,            ///< reliable, all of them, to those who are there
+  kBulk,             ///< reliable, the newest of each instance, to those who are there
+  kSensor,           ///< best effort, the newest 20, to those who are there
+  kTransforms,       ///< reliable, the newest 100, to those who are there
+  kFixedTransforms,  ///< reliable, the newest 100, kept for late joiners
 };
 
 /// Name, type and traffic of the topic that carries T.

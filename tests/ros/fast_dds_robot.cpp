@@ -50,7 +50,7 @@ DomainParticipant* join(std::uint32_t domain) {
 }
 
 template <class T>
-Topic* topic(DomainParticipant* in, const char* name) {
+Topic* topic_of(DomainParticipant* in, const char* name) {
   const TypeSupport type(new fast::CdrType<T>());
   type.register_type(in);
   Topic* made = in->create_topic(name, T::kType, TOPIC_QOS_DEFAULT);
@@ -59,14 +59,18 @@ Topic* topic(DomainParticipant* in, const char* name) {
 }
 
 template <class T>
-DataWriter* writer(DomainParticipant* in, const char* name, ReliabilityQosPolicyKind reliability) {
+DataWriter* writer(DomainParticipant* in, const char* name, ReliabilityQosPolicyKind reliability,
+                   DurabilityQosPolicyKind durability = VOLATILE_DURABILITY_QOS) {
   DataWriterQos qos;
   qos.reliability().kind = reliability;
+  qos.durability().kind = durability;
   qos.history().depth = 10;
   qos.endpoint().history_memory_policy =
       eprosima::fastrtps::rtps::PREALLOCATED_WITH_REALLOC_MEMORY_MODE;
   static Publisher* publisher = in->create_publisher(PUBLISHER_QOS_DEFAULT);
-  return publisher->create_datawriter(topic<T>(in, name), qos);
+  DataWriter* made = publisher->create_datawriter(topic_of<T>(in, name), qos);
+  if (made == nullptr) fail(name);
+  return made;
 }
 
 template <class T>
@@ -79,7 +83,7 @@ DataReader* reader(DomainParticipant* in, const char* name, DurabilityQosPolicyK
   qos.endpoint().history_memory_policy =
       eprosima::fastrtps::rtps::PREALLOCATED_WITH_REALLOC_MEMORY_MODE;
   static Subscriber* subscriber = in->create_subscriber(SUBSCRIBER_QOS_DEFAULT);
-  return subscriber->create_datareader(topic<T>(in, name), qos);
+  return subscriber->create_datareader(topic_of<T>(in, name), qos);
 }
 
 template <class T, class Visit>
@@ -117,6 +121,7 @@ struct Robot {
   DomainParticipant* in;
   DataWriter* scans;
   DataWriter* odometry;
+  DataWriter* fixed;
   DataReader* tf;
   DataReader* path;
   DataReader* map;
@@ -128,6 +133,8 @@ struct Robot {
       : in(join(domain)),
         scans(writer<fast::LaserScan>(in, "rt/scan", BEST_EFFORT_RELIABILITY_QOS)),
         odometry(writer<fast::Odometry>(in, "rt/odom", RELIABLE_RELIABILITY_QOS)),
+        fixed(writer<fast::TFMessage>(in, "rt/tf_static", RELIABLE_RELIABILITY_QOS,
+                                      TRANSIENT_LOCAL_DURABILITY_QOS)),
         tf(reader<fast::TFMessage>(in, "rt/tf", VOLATILE_DURABILITY_QOS, 100)),
         path(reader<fast::Path>(in, "rt/trajectory", TRANSIENT_LOCAL_DURABILITY_QOS, 1)),
         map(reader<fast::OccupancyGrid>(in, "rt/map", TRANSIENT_LOCAL_DURABILITY_QOS, 1)),
@@ -148,6 +155,16 @@ struct Robot {
       std::this_thread::sleep_for(std::chrono::milliseconds(10));
     }
     fail("nobody subscribes to rt/scan and publishes rt/trajectory");
+  }
+
+  void publish_mount() const {
+    const Se2 T = cairn::test::T_base_laser();
+    fast::TFMessage message;
+    message.transforms.push_back(
+        {header("base_link", 0),
+         "laser",
+         {T.x(), T.y(), 0.3, 0, 0, std::sin(0.5 * T.theta()), std::cos(0.5 * T.theta())}});
+    fixed->write(&message);
   }
 
   // The laser of the drive sits on a base like ROS's, away from its middle and turned.
@@ -222,7 +239,8 @@ int main(int argc, char** argv) {
   const cairn::SimulatedDrive drive = cairn::simulate_drive();
   Robot robot(static_cast<std::uint32_t>(std::atoi(argv[1])));
   robot.wait_for_peers();
-  std::this_thread::sleep_for(std::chrono::milliseconds(500));  // the other side matches later
+  robot.publish_mount();
+  std::this_thread::sleep_for(std::chrono::seconds(1));  // the other side matches later
   auto turn = std::chrono::steady_clock::now();
   for (std::size_t i = 0; i < std::min(scans, drive.scans.size()); ++i) {
     robot.publish(drive.scans[i], first_stamp_ns);

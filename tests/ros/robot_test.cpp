@@ -36,9 +36,9 @@ class RosRobot : public testing::Test {
     if (more.find("odom=") == std::string::npos) odometry_ = make_writer<ros::Odometry>("rt/odom");
   }
   template <class T>
-  std::optional<dds::Writer<T>> make_writer(const std::string& topic) {
-    auto made = dds::Writer<T>::make(*participant_, ros::describe<T>(topic, Traffic::kTransforms),
-                                     &trouble_);
+  std::optional<dds::Writer<T>> make_writer(const std::string& topic,
+                                            Traffic traffic = Traffic::kTransforms) {
+    auto made = dds::Writer<T>::make(*participant_, ros::describe<T>(topic, traffic), &trouble_);
     EXPECT_TRUE(made);
     dds_publication_matched_status_t matched{};
     while (dds_get_publication_matched_status(made->handle(), &matched) >= 0 &&
@@ -126,7 +126,7 @@ TEST_F(RosRobot, LeavesOutWhatNoScanIsAndSaysSo) {
 
 TEST_F(RosRobot, LeavesOutOdometryThatIsNoPose) {
   testing::internal::CaptureStderr();
-  open();
+  open(",laser=0/0/0");
   send(test::odometry_message(100, 5.0, 0.0, 0.0));
   send(test::odometry_message(101, kNaN, 0.0, 0.0));
   ScanMessage scan;
@@ -162,7 +162,7 @@ TEST_F(RosRobot, DropsTheOldestScansWhereNobodyTakesThem) {
 
 TEST_F(RosRobot, SaysThatOdometryIsMissing) {
   testing::internal::CaptureStderr();
-  open();
+  open(",laser=0/0/0");
   ScanMessage scan;
   send(scan);
   ASSERT_TRUE(next());
@@ -173,6 +173,50 @@ TEST_F(RosRobot, SaysThatOdometryIsMissing) {
   EXPECT_THAT(robot_->report(), HasSubstr("2 had no odometry"));
   robot_.reset();
   EXPECT_THAT(testing::internal::GetCapturedStderr(), HasSubstr("no odometry has come"));
+}
+
+TEST_F(RosRobot, LearnsWhereItsLaserSitsFromItsFixedFrames) {
+  open();
+  auto fixed = make_writer<ros::TFMessage>("rt/tf_static", Traffic::kFixedTransforms);
+  std::string base = "base_link", laser = "laser";
+  geometry_msgs_msg_dds__TransformStamped_ transform{};
+  transform.header.frame_id = base.data();
+  transform.child_frame_id = laser.data();
+  transform.transform = {{1.0, 0.0, 0.5}, {1.0, 0.0, 0.0, 0.0}};  // upside down
+  ros::TFMessage message{};
+  message.transforms._buffer = &transform;
+  message.transforms._length = message.transforms._maximum = 1;
+  ASSERT_EQ(fixed->write(message), DDS_RETCODE_OK);
+  send(test::odometry_message(100, 5.0, 0.0, 0.0));
+  ScanMessage scan(3, 0.0, 0.5);
+  scan.ranges = {1.0F, 2.0F, 3.0F};
+  std::optional<LaserScan> taken;
+  while (!taken) {  // until the transform has come, too
+    send(scan);
+    taken = next();
+  }
+  EXPECT_EQ(taken->T_odom_laser->x(), 6.0);
+  EXPECT_EQ(taken->first_angle_rad, -1.0);
+  EXPECT_THAT(taken->ranges_m, testing::ElementsAre(3.0F, 2.0F, 1.0F));
+}
+
+TEST_F(RosRobot, TakesItsLaserToBeInItsMiddleWhereNothingSaysOtherwise) {
+  testing::internal::CaptureStderr();
+  open();
+  send(test::odometry_message(100, 5.0, 0.0, 0.0));
+  ScanMessage scan;
+  std::optional<LaserScan> taken;
+  while (!taken) {
+    send(scan);
+    const auto next = robot_->next();
+    ASSERT_TRUE(next);
+    if (const auto* frame = std::get_if<SensorFrame>(&*next)) taken = std::get<LaserScan>(*frame);
+  }
+  EXPECT_EQ(taken->T_odom_laser->x(), 5.0);
+  EXPECT_THAT(robot_->report(), HasSubstr("came before it was known where the laser sits"));
+  robot_.reset();
+  EXPECT_THAT(testing::internal::GetCapturedStderr(),
+              HasSubstr("nothing leads from 'base_link' (odometry's child_frame_id) to 'laser'"));
 }
 
 }  // namespace
