@@ -212,6 +212,7 @@ Result<NextFrame> RosRobot::next() {
   std::optional<LaserScan> scan = queue_.pop(Clock::now() + kTurn);
   if (!scan) {
     tell_silence();
+    output_->publish_trajectory_when_due();
     return NextFrame(NothingYet());
   }
   heard_ = Clock::now();

@@ -98,6 +98,7 @@ TEST(FastDds, ARobotIsMappedAndLearnsWhereItIs) {
   EXPECT_EQ(path.frame, "map");
   EXPECT_GT(std::stoi(path.detail), 50);  // poses
   EXPECT_GT(path.stamp_s, kFirstStampS + 25.0);
+  EXPECT_THAT(mapped.out, HasSubstr(" frames, " + path.detail + " keyframes "));
   expect_near(path.pose * test::T_base_laser(), truth_at(drive, path.stamp_s), "path");
 
   const Told tf = last_told(robot.out, "tf");
