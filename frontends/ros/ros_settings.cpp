@@ -66,7 +66,7 @@ bool read_mount(const std::string& text, RosSettings& settings) {
 }
 
 const std::vector<Key>& keys() {
-  static const std::vector<Key> all{
+  static const std::vector<Key> kAll{
       {"domain", "a number from 0 to 230",
        [](const std::string& text, RosSettings& settings) {
          const auto number = whole_number(text, 230);
@@ -94,7 +94,7 @@ const std::vector<Key>& keys() {
          return number.has_value();
        }},
   };
-  return all;
+  return kAll;
 }
 
 Result<void> read_setting(const std::string& text, RosSettings& settings) {
