@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "idl/convert.hpp"
+#include "idl/convert_map.hpp"
 #include "idl/dds/entity.hpp"
 
 namespace cairn::dds {
@@ -41,6 +41,9 @@ CAIRN_TOPIC(Command, "cairn/command", kEvery);
 CAIRN_TOPIC(Reply, "cairn/reply", kEvery);
 CAIRN_TOPIC(Status, "cairn/status", kLatest);
 CAIRN_TOPIC(Event, "cairn/event", kEvery);
+CAIRN_TOPIC(Tile_index, "cairn/tile_index", kLatest);
+CAIRN_TOPIC(Tile_request, "cairn/tile_request", kBulk);
+CAIRN_TOPIC(Occupancy_tile, "cairn/occupancy_tile", kBulk);
 
 #undef CAIRN_TOPIC
 
