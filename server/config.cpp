@@ -215,6 +215,16 @@ const std::vector<Setting>& settings() {
           "new "
           "is not rendered, and an event says so",
           {16, 1024 * 1024}, [](auto& c) -> auto& { return c.service.maps.most_bytes; }, kMegabyte),
+      text("ros", "map",
+           "the ROS 2 topic of the map (nav_msgs/OccupancyGrid, latest kept), such as /map; empty: "
+           "none. Needs maps: enabled",
+           200, [](auto& c) -> auto& { return c.ros.map; }),
+      text("ros", "map_updates", "and of its changes (map_msgs/OccupancyGridUpdate)", 200,
+           [](auto& c) -> auto& { return c.ros.updates; }),
+      text("ros", "frame", "the frame_id of both", 100,
+           [](auto& c) -> auto& { return c.ros.frame; }),
+      number("ros", "domain", "the robots' ROS_DOMAIN_ID, on the interface of network", {0, 230},
+             [](auto& c) -> auto& { return c.ros.domain; }),
       choice<LogFormat>("log", "format", "text: lines for people; json: one object per line",
                         {{"text", LogFormat::kText}, {"json", LogFormat::kJson}},
                         [](auto& c) -> auto& { return c.log_format; }),

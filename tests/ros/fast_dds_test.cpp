@@ -69,6 +69,20 @@ const Se2& odometry_at(const SimulatedDrive& drive, double stamp_s) {
   return *drive.scans.at(i).T_odom_laser;
 }
 
+// The rest of the last line that begins with this word.
+std::string last_grid(const std::string& text, const std::string& word) {
+  std::string found;
+  std::istringstream lines(text);
+  for (std::string line; std::getline(lines, line);)
+    if (line.starts_with(word + " ")) found = line.substr(word.size() + 1);
+  return found;
+}
+
+double number_after(const std::string& text, const std::string& word) {
+  const std::size_t at = text.find(word);
+  return at == std::string::npos ? -1.0 : std::atof(text.c_str() + at + word.size());
+}
+
 void expect_near(const Se2& found, const Se2& expected, const char* what) {
   const Se2 off = expected.inverse() * found;
   EXPECT_LT(off.translation().norm(), 0.1) << what;
@@ -80,12 +94,15 @@ TEST(FastDds, ARobotIsMappedAndLearnsWhereItIs) {
     GTEST_SKIP() << "Fast DDS is not installed (Debian: libfastrtps-dev)";
   const test::TemporaryFolder folder;
   const std::string domain = std::to_string(test::own_domain());
-  Process daemon({CAIRND_BINARY, "--data", folder.file("data"), "--domain", domain});
+  const std::string config =
+      folder.write("cairnd.yaml", "ros:\n  map: /map\n  domain: " + domain + "\n");
+  Process daemon(
+      {CAIRND_BINARY, "--data", folder.file("data"), "--domain", domain, "--config", config});
   Process frontend({FRONTEND_BINARY, "laser", "--input", "ros:domain=" + domain, "--robot",
                     "kestrel", "--spool", folder.file("spool"), "--domain", domain, "--settle"});
-  // 4 s after the drive: a late map may need 3 to reach Fast DDS.
+  // 8 s after the drive: a map with all changes in it is sent every 5.
   const ProcessResult robot =
-      Process({kFastDdsRobot, domain, std::to_string(kScans), "50", "4"}).wait();
+      Process({kFastDdsRobot, domain, std::to_string(kScans), "50", "8"}).wait();
   ASSERT_EQ(robot.exit_code, 0) << robot.err << frontend.end(SIGINT).err;
   const ProcessResult mapped = frontend.end(SIGINT);
   EXPECT_EQ(mapped.exit_code, 0) << mapped.err;
@@ -108,6 +125,15 @@ TEST(FastDds, ARobotIsMappedAndLearnsWhereItIs) {
   const double scan_s = tf.stamp_s - 0.2;
   EXPECT_GT(scan_s, kFirstStampS + 29.0);
   expect_near(tf.pose * odometry_at(drive, scan_s), truth_at(drive, scan_s), "tf");
+  // What was patched is what was sent whole at last, and both are a map.
+  const std::string map = last_grid(robot.out, "map");
+  EXPECT_EQ(map, last_grid(robot.out, "patched"));
+  EXPECT_THAT(robot.out, testing::ContainsRegex("grids [1-9].* patches [1-9]"));
+  EXPECT_THAT(map, testing::ContainsRegex("^map [0-9]+ [0-9]+ 0.05 .* odd 0 of [0-9]+$"));
+  const double free = number_after(map, " free "), occupied = number_after(map, " occupied ");
+  EXPECT_GT(occupied, 1000);
+  EXPECT_GT(free, 10 * occupied);
+  EXPECT_GT(number_after(map, " unknown "), 0);
   daemon.send(SIGTERM);
   EXPECT_EQ(daemon.wait().exit_code, 0);
 }
