@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "cairn/graph/transaction.hpp"
+#include "idl/map_messages.hpp"
 #include "idl/messages.hpp"
 
 namespace cairn {
@@ -27,6 +28,9 @@ class LinkListener {
   virtual void on_status(Status status) = 0;
   virtual void on_event(Event event) = 0;
   virtual void on_reply(Reply reply) = 0;
+  /// Of links that follow maps.
+  virtual void on_tile_index(TileBlock /*block*/) {}
+  virtual void on_tiles(TileAnswer /*answer*/) {}
   /// The middleware failed, a peer does not fit, or a message could not be read.
   virtual void on_trouble(Error error) = 0;
 };
@@ -41,6 +45,7 @@ class Link {
     std::string source;  ///< empty: only watches and commands
     std::uint64_t epoch = 0;
     std::uint64_t writer = 0;
+    bool follows_maps = false;  ///< hears the index of tiles, may ask for them
   };
 
   virtual ~Link() = default;
@@ -51,6 +56,8 @@ class Link {
   virtual Result<void> send(const Transaction& transaction) = 0;
   virtual Result<void> send(const ClientState& state) = 0;
   virtual Result<void> send(const Payload& payload) = 0;
+  /// kUsage of links that follow no maps.
+  virtual Result<void> send(const TileRequest& request) = 0;
   /// Also waits, for at most `timeout_ms`, until a daemon is there to hear it.
   virtual Result<void> send(const Command& command, int timeout_ms) = 0;
 };

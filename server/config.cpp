@@ -43,6 +43,30 @@ struct Range {
   std::int64_t first, last;
 };
 
+// A number with a fraction, such as 0.05.
+template <class Of>
+Setting decimal(std::string section, std::string key, std::string meaning, double first,
+                double last, Of of) {
+  const auto show = [](double value) {
+    std::ostringstream text;
+    text << value;
+    return text.str();
+  };
+  return {std::move(section),
+          std::move(key),
+          std::move(meaning),
+          "a number from " + show(first) + " to " + show(last),
+          [=](const std::string& text, DaemonConfig& config) {
+            std::istringstream stream(text);
+            double value = 0.0;
+            if (!(stream >> value) || !stream.eof() || !(value >= first && value <= last))
+              return false;
+            of(config) = value;
+            return true;
+          },
+          [=](const DaemonConfig& config) { return show(of(config)); }};
+}
+
 // `of` gives a reference to the number in a configuration; `unit` of the file in units of that
 // number.
 template <class Of>
@@ -110,7 +134,7 @@ Setting text(std::string section, std::string key, std::string meaning, std::siz
 const std::vector<Setting>& settings() {
   constexpr std::int64_t kSecond = 1'000'000'000;  // of nanoseconds
   constexpr std::int64_t kDay = 86'400'000;        // of milliseconds
-  constexpr std::int64_t kKilobyte = 1 << 10;
+  constexpr std::int64_t kKilobyte = 1 << 10, kMegabyte = 1 << 20;
   static const std::vector<Setting> all{
       number("network", "domain", "DDS domain; --domain overrides it", {0, 232},
              [](auto& c) -> auto& { return c.domain; }),
@@ -177,6 +201,30 @@ const std::vector<Setting>& settings() {
           "payloads", "keep_unnamed_days",
           "scans and images that no transaction has named are deleted after so long", {1, 36'500},
           [](auto& c) -> auto& { return c.service.payloads.keep_unnamed; }, kDay),
+      choice<bool>("maps", "enabled",
+                   "occupancy maps are rendered from scans and kept up to date; false: none",
+                   {{"true", true}, {"false", false}},
+                   [](auto& c) -> auto& { return c.service.maps.enabled; }),
+      decimal("maps", "resolution_m", "side of a cell, m", 0.01, 10.0,
+              [](auto& c) -> auto& { return c.service.maps.resolution_m; }),
+      number("maps", "render_every_ms", "from the end of one rendering to the next",
+             {10, 3'600'000}, [](auto& c) -> auto& { return c.service.maps.render_every; }),
+      number(
+          "maps", "most_mb",
+          "memory for counts of cells, 32 kB for each 64 x 64 cells; where that is full, what is "
+          "new "
+          "is not rendered, and an event says so",
+          {16, 1024 * 1024}, [](auto& c) -> auto& { return c.service.maps.most_bytes; }, kMegabyte),
+      text("ros", "map",
+           "the ROS 2 topic of the map (nav_msgs/OccupancyGrid, latest kept), such as /map; empty: "
+           "none. Needs maps: enabled",
+           200, [](auto& c) -> auto& { return c.ros.map; }),
+      text("ros", "map_updates", "and of its changes (map_msgs/OccupancyGridUpdate)", 200,
+           [](auto& c) -> auto& { return c.ros.updates; }),
+      text("ros", "frame", "the frame_id of both", 100,
+           [](auto& c) -> auto& { return c.ros.frame; }),
+      number("ros", "domain", "the robots' ROS_DOMAIN_ID, on the interface of network", {0, 230},
+             [](auto& c) -> auto& { return c.ros.domain; }),
       choice<LogFormat>("log", "format", "text: lines for people; json: one object per line",
                         {{"text", LogFormat::kText}, {"json", LogFormat::kJson}},
                         [](auto& c) -> auto& { return c.log_format; }),

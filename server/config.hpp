@@ -6,6 +6,7 @@
 
 #include "cairn/core/result.hpp"
 #include "idl/dds/entity.hpp"
+#include "server/ros_map.hpp"
 #include "server/service.hpp"
 
 namespace cairn {
@@ -20,6 +21,7 @@ struct DaemonConfig {
   Severity log_from = Severity::kInfo;
   ServiceOptions service{};
   std::size_t journal_buffer_bytes = JournalOptions{}.write_buffer_bytes;
+  RosMapOptions ros{};  ///< its network is that of the daemon
 };
 
 /// Reads a YAML file over `config`: keys that it does not name stay as they are. An error names

@@ -40,6 +40,19 @@ int wait_for_end(const sigset_t& ending, const Service& service) {
   }
 }
 
+// Null where the configuration asks for none.
+Result<std::unique_ptr<RosMap>> open_ros_map(const DaemonConfig& config) {
+  if (config.ros.map.empty()) return std::unique_ptr<RosMap>();
+  if (!config.service.maps.enabled)
+    return Error{ErrorCode::kBadInput,
+                 "ros.map is '" + config.ros.map + "', but maps.enabled is false: there is none"};
+  RosMapOptions options = config.ros;
+  options.network = config.network;
+  return RosMap::open(std::move(options), [](const Error& error) {
+    log(Severity::kWarning, "ros", error.to_string());
+  });
+}
+
 }  // namespace
 
 int run_daemon(const std::string& folder, const DaemonConfig& config,
@@ -51,7 +64,13 @@ int run_daemon(const std::string& folder, const DaemonConfig& config,
   log(Severity::kInfo, "opened", ((*journal)->open_report().created ? "made " : "") + folder,
       (*journal)->head().revision);
   const auto transport = make_dds_transport({.domain = config.domain, .network = config.network});
+  const auto ros_map = open_ros_map(config);  // outlives the service
+  if (!ros_map) return fail(ros_map.error());
   ServiceOptions options = config.service;
+  if (*ros_map)
+    options.maps.on_map = [&map = **ros_map](const MapChange& change) {
+      map.take(change.map, change.changed, change.gone, change.resolution_m);
+    };
   options.on_event = [](const Event& event) {
     log(event.severity, event.kind, event.text, event.revision);
   };

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <atomic>
 #include <chrono>
+#include <deque>
 #include <mutex>
 #include <optional>
 #include <shared_mutex>
@@ -13,10 +14,10 @@
 #include <utility>
 
 #include "cairn/core/wall_clock.hpp"
-#include "idl/convert.hpp"
-#include "idl/dds/endpoint.hpp"
+#include "idl/convert_map.hpp"
 #include "idl/dds/outbox.hpp"
 #include "idl/limits.hpp"
+#include "server/dds_endpoints.hpp"
 
 namespace cairn {
 namespace {
@@ -35,41 +36,6 @@ std::size_t memory_of(const Transaction& transaction) {
   return bytes;
 }
 
-// Everything the daemon reads and writes in one domain.
-struct Endpoints {
-  dds::Reader<cairn_wire_Transaction> transaction;
-  dds::Reader<cairn_wire_Client_state> client_state;
-  dds::Reader<cairn_wire_Payload> payload;
-  dds::Reader<cairn_wire_Command> command;
-  dds::Reader<cairn_wire_Status> rival;
-  dds::Writer<cairn_wire_Receipt> receipt;
-  dds::Writer<cairn_wire_Source_state> source_state;
-  dds::Writer<cairn_wire_Payload_receipt> payload_receipt;
-  dds::Writer<cairn_wire_Poses> poses;
-  dds::Writer<cairn_wire_Landmarks> landmarks;
-  dds::Writer<cairn_wire_Correction> correction;
-  dds::Writer<cairn_wire_Status> status;
-  dds::Writer<cairn_wire_Event> event;
-  dds::Writer<cairn_wire_Reply> reply;
-
-  static Result<Endpoints> make(const dds::Participant& in, const dds::TroubleHandler* trouble) {
-    return dds::collect<Endpoints>(dds::Reader<cairn_wire_Transaction>::make(in, trouble),
-                                   dds::Reader<cairn_wire_Client_state>::make(in, trouble),
-                                   dds::Reader<cairn_wire_Payload>::make(in, trouble),
-                                   dds::Reader<cairn_wire_Command>::make(in, trouble),
-                                   dds::Reader<cairn_wire_Status>::make(in, trouble),
-                                   dds::Writer<cairn_wire_Receipt>::make(in, trouble),
-                                   dds::Writer<cairn_wire_Source_state>::make(in, trouble),
-                                   dds::Writer<cairn_wire_Payload_receipt>::make(in, trouble),
-                                   dds::Writer<cairn_wire_Poses>::make(in, trouble),
-                                   dds::Writer<cairn_wire_Landmarks>::make(in, trouble),
-                                   dds::Writer<cairn_wire_Correction>::make(in, trouble),
-                                   dds::Writer<cairn_wire_Status>::make(in, trouble),
-                                   dds::Writer<cairn_wire_Event>::make(in, trouble),
-                                   dds::Writer<cairn_wire_Reply>::make(in, trouble));
-  }
-};
-
 class DdsTransport final : public Transport {
  public:
   explicit DdsTransport(const DdsTransportOptions& options) : options_(options) {}
@@ -79,54 +45,62 @@ class DdsTransport final : public Transport {
   void stop() noexcept override;
 
   void publish_receipts(const std::vector<Receipt>& receipts) override {
-    for (const Receipt& receipt : receipts) hold(&Endpoints::receipt, receipt);
-    flush(&Endpoints::receipt);
+    for (const Receipt& receipt : receipts) hold(&DaemonEndpoints::receipt, receipt);
+    flush(&DaemonEndpoints::receipt);
   }
-  void publish(const SourceState& state) override { write(&Endpoints::source_state, state); }
+  void publish(const SourceState& state) override { write(&DaemonEndpoints::source_state, state); }
   void forget(const std::string& source, std::uint64_t epoch) override;
   void publish(const PayloadReceipt& receipt) override {
-    write(&Endpoints::payload_receipt, receipt);
+    write(&DaemonEndpoints::payload_receipt, receipt);
   }
   void publish_poses(const EstimateRevisions& revisions,
                      const std::vector<PoseChunk>& chunks) override {
     const std::lock_guard lock(pose_rounds_);
-    for (const PoseChunk& chunk : chunks) hold(&Endpoints::poses, chunk, revisions);
-    hold_sample(&Endpoints::poses, wire::end_of_pose_round(revisions));
-    flush(&Endpoints::poses);
+    for (const PoseChunk& chunk : chunks) hold(&DaemonEndpoints::poses, chunk, revisions);
+    hold_sample(&DaemonEndpoints::poses, wire::end_of_pose_round(revisions));
+    flush(&DaemonEndpoints::poses);
   }
   void publish_landmarks(const EstimateRevisions& revisions,
                          const std::vector<LandmarkChunk>& chunks) override {
     const std::lock_guard lock(landmark_rounds_);
-    for (const LandmarkChunk& chunk : chunks) hold(&Endpoints::landmarks, chunk, revisions);
-    hold_sample(&Endpoints::landmarks, wire::end_of_landmark_round(revisions));
-    flush(&Endpoints::landmarks);
+    for (const LandmarkChunk& chunk : chunks) hold(&DaemonEndpoints::landmarks, chunk, revisions);
+    hold_sample(&DaemonEndpoints::landmarks, wire::end_of_landmark_round(revisions));
+    flush(&DaemonEndpoints::landmarks);
   }
-  void publish(const Correction& correction) override { write(&Endpoints::correction, correction); }
+  void publish(const Correction& correction) override {
+    write(&DaemonEndpoints::correction, correction);
+  }
+  void publish_tile_index(const std::vector<TileBlock>& blocks) override {
+    for (const TileBlock& block : blocks) hold(&DaemonEndpoints::tile_index, block);
+    flush(&DaemonEndpoints::tile_index);
+  }
+  void publish(const TileAnswer& answer) override;
   void publish(const Status& status) override;
   void publish(const Event& event) override;
   void reply(const Reply& reply) override;
 
  private:
   template <class Wire, class Message>
-  void write(dds::Writer<Wire> Endpoints::*writer, const Message& message) {
+  void write(dds::Writer<Wire> DaemonEndpoints::*writer, const Message& message) {
     hold(writer, message);
     flush(writer);
   }
   // Until flush(). `more` stands between message and arena in to_wire().
   template <class Wire, class Message, class... More>
-  void hold(dds::Writer<Wire> Endpoints::*writer, const Message& message, const More&... more) {
+  void hold(dds::Writer<Wire> DaemonEndpoints::*writer, const Message& message,
+            const More&... more) {
     wire::Arena arena;
     hold_sample(writer, wire::to_wire(message, more..., arena));
   }
   template <class Wire>
-  void hold_sample(dds::Writer<Wire> Endpoints::*writer, const Wire& sample) {
+  void hold_sample(dds::Writer<Wire> DaemonEndpoints::*writer, const Wire& sample) {
     const std::shared_lock lock(endpoints_mutex_);
     if (!running_) return;
     if (const auto code = ((*endpoints_).*writer).write_held(sample); code < 0)
       trouble_(dds::to_error(code, std::string("cannot write ") + dds::Topic<Wire>::kName));
   }
   template <class Wire>
-  void flush(dds::Writer<Wire> Endpoints::*writer) {
+  void flush(dds::Writer<Wire> DaemonEndpoints::*writer) {
     const std::shared_lock lock(endpoints_mutex_);
     if (running_) ((*endpoints_).*writer).flush();
   }
@@ -140,18 +114,22 @@ class DdsTransport final : public Transport {
   static void report_unreadable(const cairn_wire_Payload& sample, std::string reason,
                                 const Sender& sender, TransportListener& listener);
   int take_commands(TransportListener& listener);
+  int take_tile_requests(TransportListener& listener);
+  void forget_tiles_of(std::uint64_t client);
   int take_rivals(TransportListener& listener);
 
   DdsTransportOptions options_;
   dds::TroubleHandler trouble_;  // outlives what reports to it
   std::optional<dds::Participant> participant_;
   std::shared_mutex endpoints_mutex_;  // who writes shares it
-  std::optional<Endpoints> endpoints_;
+  std::optional<DaemonEndpoints> endpoints_;
   std::unique_ptr<dds::WaitLoop> loop_;
   dds::Outbox outbox_;
   std::thread thread_;
   std::atomic<bool> running_ = false;
   std::mutex pose_rounds_, landmark_rounds_;
+  std::mutex answered_mutex_;
+  std::deque<std::uint64_t> answered_;  // clients for which the middleware keeps an answer
   std::mutex own_status_mutex_;
   std::optional<std::pair<std::int64_t, std::uint64_t>> own_status_;  // started_ns, store
 };
@@ -163,7 +141,7 @@ Result<void> DdsTransport::start(TransportListener& listener) {
       dds::Participant::open(options_.domain, options_.network, dds::Sending::kOnFlush);
   if (!participant) return participant.error();
   participant_.emplace(std::move(*participant));
-  auto endpoints = Endpoints::make(*participant_, &trouble_);
+  auto endpoints = DaemonEndpoints::make(*participant_, &trouble_);
   if (!endpoints) return endpoints.error();
   endpoints_.emplace(std::move(*endpoints));
   auto loop = dds::WaitLoop::make(*participant_);
@@ -186,6 +164,7 @@ Result<void> DdsTransport::attach_all(TransportListener& listener) {
   if (attached) attached = attach(endpoints_->transaction, &DdsTransport::take_transactions);
   if (attached) attached = attach(endpoints_->payload, &DdsTransport::take_payloads);
   if (attached) attached = attach(endpoints_->command, &DdsTransport::take_commands);
+  if (attached) attached = attach(endpoints_->tile_request, &DdsTransport::take_tile_requests);
   if (attached) attached = attach(endpoints_->rival, &DdsTransport::take_rivals);
   return attached;
 }
@@ -291,6 +270,49 @@ int DdsTransport::take_commands(TransportListener& listener) {
       });
 }
 
+int DdsTransport::take_tile_requests(TransportListener& listener) {
+  return endpoints_->tile_request.take(
+      [&](const cairn_wire_Tile_request& sample, const dds_sample_info_t& info) {
+        if (info.instance_state != DDS_ALIVE_INSTANCE_STATE) forget_tiles_of(sample.client);
+        if (!info.valid_data) return;
+        auto request = wire::from_wire(sample);
+        if (request) return listener.on_tile_request(std::move(*request));
+        publish(TileAnswer{.client = sample.client,
+                           .number = sample.number,
+                           .run = sample.run,
+                           .map = {},
+                           .error = ErrorCode::kBadInput,
+                           .reason = request.error().message,
+                           .tiles = {}});
+      });
+}
+
+// Clients can invent names of theirs.
+void DdsTransport::publish(const TileAnswer& answer) {
+  constexpr std::size_t kMostClients = 256;
+  std::optional<std::uint64_t> oldest;
+  {
+    const std::lock_guard lock(answered_mutex_);
+    std::erase(answered_, answer.client);
+    answered_.push_back(answer.client);
+    if (answered_.size() > kMostClients) oldest = answered_.front();
+  }
+  write(&DaemonEndpoints::tiles, answer);
+  if (oldest) forget_tiles_of(*oldest);
+}
+
+void DdsTransport::forget_tiles_of(std::uint64_t client) {
+  {
+    const std::lock_guard lock(answered_mutex_);
+    if (std::erase(answered_, client) == 0) return;
+  }
+  const std::shared_lock lock(endpoints_mutex_);
+  if (!running_) return;
+  cairn_wire_Occupancy_tile key{};
+  key.client = client;
+  (void)endpoints_->tiles.forget(key);
+}
+
 int DdsTransport::take_rivals(TransportListener& listener) {
   return endpoints_->rival.take(
       [&](const cairn_wire_Status& sample, const dds_sample_info_t& info) {
@@ -308,7 +330,7 @@ void DdsTransport::publish(const Status& status) {
     const std::lock_guard lock(own_status_mutex_);
     own_status_.emplace(status.started_ns, status.head.store);
   }
-  write(&Endpoints::status, status);
+  write(&DaemonEndpoints::status, status);
 }
 
 void DdsTransport::forget(const std::string& source, std::uint64_t epoch) {

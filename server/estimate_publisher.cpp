@@ -141,6 +141,12 @@ std::vector<LandmarkChunk> EstimatePublisher::landmark_chunks(const PoseGraph& m
       });
 }
 
+std::map<OdometryFrame, std::string> EstimatePublisher::map_of_frames() const {
+  std::map<OdometryFrame, std::string> names;
+  for (const auto& [frame, trajectory] : poses_) names.emplace(frame, trajectory.map);
+  return names;
+}
+
 void EstimatePublisher::publish(const PoseGraph& map) {
   mark_moved(map);
   add_new_nodes(map);

@@ -31,6 +31,8 @@ class EstimatePublisher {
   /// Publishes what differs from what was published last: new nodes, moved ones, frames that now
   /// share a map. Sends a round of poses even where nothing changed but the revision.
   void publish(const PoseGraph& map);
+  /// The names of the maps that trajectories were published in.
+  [[nodiscard]] std::map<OdometryFrame, std::string> map_of_frames() const;
 
  private:
   // Nodes of one frame and one kind (poses or landmarks), in node order.

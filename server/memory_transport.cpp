@@ -93,6 +93,7 @@ class MemoryLink final : public Link {
   Result<void> send(const Transaction& transaction) override;
   Result<void> send(const ClientState& state) override;
   Result<void> send(const Payload& payload) override;
+  Result<void> send(const TileRequest& request) override;
   Result<void> send(const Command& command, int timeout_ms) override;
 
   [[nodiscard]] const Identity& identity() const { return identity_; }
@@ -153,6 +154,19 @@ class MemoryTransport final : public Transport {
   void publish(const Correction& correction) override {
     send({"correction", correction.frame.robot, correction.frame.epoch, 0}, nullptr,
          [correction](LinkListener& to) { to.on_correction(correction); });
+  }
+  void publish_tile_index(const std::vector<TileBlock>& blocks) override {
+    for (const TileBlock& block : blocks)
+      send(
+          {"tiles " + block.map, "", static_cast<std::uint32_t>(block.x),
+           static_cast<std::uint32_t>(block.y)},
+          [](const Link::Identity& to) { return to.follows_maps; },
+          [block](LinkListener& to) { to.on_tile_index(block); });
+  }
+  void publish(const TileAnswer& answer) override {
+    send(
+        {}, [client = answer.client](const Link::Identity& to) { return to.writer == client; },
+        [answer](LinkListener& to) { to.on_tiles(answer); });
   }
   void publish(const Status& status) override;
   void publish(const Event& event) override {
@@ -244,6 +258,10 @@ Result<void> MemoryLink::send(const Payload& payload) {
   return send_to_daemons(std::nullopt, [payload, sender = sender()](TransportListener& to) {
     to.on_payload(payload, sender);
   });
+}
+Result<void> MemoryLink::send(const TileRequest& request) {
+  return send_to_daemons(std::nullopt,
+                         [request](TransportListener& to) { to.on_tile_request(request); });
 }
 Result<void> MemoryLink::send(const Command& command, int /*timeout_ms*/) {
   {

@@ -94,6 +94,7 @@ void PayloadStore::store(const Payload& payload) {
     if (stored_.size() >= kRemembered) stored_.clear();
     stored_.insert(payload.hash);
   }
+  if (tell_stored_) tell_stored_();
   answer(payload, PayloadAnswer::kStored);
 }
 

@@ -38,9 +38,15 @@ class PayloadStore {
   };
   using Tell = std::function<void(Severity, const std::string& text)>;
 
-  /// `tell` is called from the store's thread.
-  PayloadStore(Journal& journal, Transport& transport, Options options, Tell tell)
-      : journal_(journal), transport_(transport), options_(options), tell_(std::move(tell)) {}
+  /// `tell` and, after each payload that is on disk now, `stored` are called from the store's
+  /// thread.
+  PayloadStore(Journal& journal, Transport& transport, Options options, Tell tell,
+               std::function<void()> stored = {})
+      : journal_(journal),
+        transport_(transport),
+        options_(options),
+        tell_(std::move(tell)),
+        tell_stored_(std::move(stored)) {}
   ~PayloadStore() { stop(); }
 
   void start();
@@ -77,6 +83,7 @@ class PayloadStore {
   Transport& transport_;
   Options options_;
   Tell tell_;
+  std::function<void()> tell_stored_;
   Clock::time_point collect_at_{};  ///< of the thread; first at its start
 
   mutable std::mutex mutex_;  // guards what follows

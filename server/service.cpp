@@ -29,6 +29,7 @@ Result<void> Service::start() {
   if (auto replayed = rebuild(); !replayed) return replayed;
   if (auto started = transport_.start(*this); !started) return started;
   payloads_.start();
+  maps_.start(started_ns_);
   last_input_ = std::chrono::steady_clock::now();
   announce_opening();
   const OpenReport& report = journal_.open_report();
@@ -49,6 +50,7 @@ bool Service::stop(std::optional<std::chrono::milliseconds> patience) {
   abandon_solve_ = true;
   wake_.notify_all();
   if (decider_.joinable()) decider_.join();
+  maps_.stop();
   if (!desk_.stop(patience)) return false;
   if (patience) {
     std::unique_lock lock(mutex_);
@@ -143,6 +145,7 @@ void Service::handle(std::deque<Message> messages) {
   Sequencer::Outcome outcome;
   std::vector<std::unique_ptr<Solved>> solutions;
   std::optional<Thinned> thinned;
+  bool map_is_wanted = false;
   std::vector<Command> commands;
   std::vector<ClientState> clients;
   for (Message& message : messages) {
@@ -159,6 +162,8 @@ void Service::handle(std::deque<Message> messages) {
       bring(std::move(*brought));
     } else if (const auto* heard = std::get_if<Heard>(&message)) {
       writers_.hear_of(heard->spool);
+    } else if (std::holds_alternative<MapWanted>(message)) {
+      map_is_wanted = true;
     } else if (auto* planned = std::get_if<Thinned>(&message)) {
       thinned = std::move(*planned);
     } else {
@@ -171,6 +176,7 @@ void Service::handle(std::deque<Message> messages) {
   let_strangers_go(writers_.remove_excess_strangers());
   for (const auto& solved : solutions) take_solution(*solved);
   if (thinned) take_out(*thinned);
+  if (map_is_wanted) show_map();
   for (const Command& command : commands) carry_out(command);
 }
 
@@ -267,6 +273,12 @@ void Service::publish_estimate() {
   publisher_.publish(head_.graph());
   published_at_ = std::chrono::steady_clock::now();
   estimate_changed_ = false;
+  maps_.hear_of_news();
+}
+
+// Of what is published: nothing else is in it as long as nothing has come since.
+void Service::show_map() {
+  maps_.show({head_.graph(), publisher_.map_of_frames(), settled_ && !needs_solve()});
 }
 
 }  // namespace cairn

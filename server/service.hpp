@@ -22,6 +22,7 @@
 #include "server/commands.hpp"
 #include "server/estimate_publisher.hpp"
 #include "server/latency_window.hpp"
+#include "server/map_service.hpp"
 #include "server/payload_store.hpp"
 #include "server/refill.hpp"
 #include "server/sequencer.hpp"
@@ -68,6 +69,7 @@ struct ServiceOptions {
   SequencerLimits limits{};
   Refill::Patience refill{};
   PayloadStore::Options payloads{};
+  MapService::Options maps{};
   /// Told what is published as an event, for the log. From any thread.
   std::function<void(const Event&)> on_event{};
   /// For tests that end the process there. From any thread.
@@ -119,6 +121,7 @@ class Service final : private TransportListener {
   struct Heard {
     Writers::Spool spool;  ///< was answered without a look at what it said
   };
+  struct MapWanted {};  ///< a snapshot for the map service
   struct Thinned {
     std::uint64_t last_input;  ///< of the map that it was planned for
     Thinning plan;
@@ -129,8 +132,8 @@ class Service final : private TransportListener {
     std::uint64_t last_input;  ///< there
     MapSolution solution;
   };
-  using Message =
-      std::variant<Arrived, Seen, Lost, Brought, Heard, Command, Thinned, std::unique_ptr<Solved>>;
+  using Message = std::variant<Arrived, Seen, Lost, Brought, Heard, Command, MapWanted, Thinned,
+                               std::unique_ptr<Solved>>;
 
   void on_transaction(Transaction transaction, const Sender& sender) override;
   void on_unreadable_transaction(UnreadableTransaction transaction, const Sender& sender) override;
@@ -139,6 +142,7 @@ class Service final : private TransportListener {
   void on_payload(Payload payload, const Sender& sender) override;
   void on_unreadable_payload(Payload payload, std::string reason, const Sender& sender) override;
   void on_command(Command command) override;
+  void on_tile_request(TileRequest request) override;
   void on_rival(Status rival) override;
   void on_trouble(Error error) override;
 
@@ -152,6 +156,7 @@ class Service final : private TransportListener {
   [[nodiscard]] std::chrono::nanoseconds until_next_duty() const;
   void publish_estimate_when_due();
   void publish_estimate();
+  void show_map();
   void watch_disk();
   void handle(std::deque<Message> messages);
   [[nodiscard]] Sequencer::Turn turn(Sequencer::Outcome& outcome);
@@ -239,7 +244,15 @@ class Service final : private TransportListener {
   std::uint64_t snapshot_at_ = 0;   ///< the record that the newest snapshot is after
   PayloadStore payloads_{
       journal_, transport_, options_.payloads,
-      [this](Severity severity, const std::string& text) { announce(severity, "payloads", text); }};
+      [this](Severity severity, const std::string& text) { announce(severity, "payloads", text); },
+      [this] { maps_.hear_of_payload(); }};
+  MapService maps_{
+      journal_,
+      transport_,
+      options_.maps,
+      {.ask_for_snapshot = [this] { post(MapWanted{}); },
+       .tell = [this](Severity severity,
+                      const std::string& text) { announce(severity, "map_full", text); }}};
   Refill refill_{options_.refill};
   int eras_raised_ = 0;                      ///< by clients' receipts
   std::set<Writers::Spool> changed_spools_;  ///< their state is to be published

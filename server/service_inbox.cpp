@@ -48,6 +48,8 @@ void Service::on_command(Command command) {
   transport_.reply({key, ErrorCode::kNotUsable, std::string("busy: ") + kBehind});
 }
 
+void Service::on_tile_request(TileRequest request) { maps_.take(std::move(request)); }
+
 // What must not be refused: ends of writers, and solves, of which there is one at a time.
 void Service::post(Message message) {
   {

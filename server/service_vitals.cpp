@@ -19,6 +19,25 @@ Json to_json(const LatencyWindow::Summary& summary) {
           {"max_ms", summary.most_ms}};
 }
 
+Json to_json(const MapService::Facts& facts, const MapService::Options& options,
+             const Revision& head) {
+  if (!options.enabled) return nullptr;
+  return {{"resolution_m", options.resolution_m},
+          {"maps", facts.maps},
+          {"tiles", facts.tiles},
+          {"tile_bytes", facts.tile_bytes},
+          {"tile_revision", facts.tile_revision},
+          {"scans", facts.scans},
+          {"missing", facts.missing},
+          {"rendered_revision", facts.estimate.graph.number},
+          {"behind", head.number - std::min(head.number, facts.estimate.graph.number)},
+          {"rendering", facts.rendering},
+          {"render_s", facts.render_s},
+          {"full", facts.full},
+          {"requests", facts.answers},
+          {"refused", facts.refusals}};
+}
+
 }  // namespace
 
 // What has just been answered. What somebody else's transaction has waited for counts from when
@@ -83,6 +102,7 @@ Json Service::status_json() const {
   json["latency"] = {{"window_s", (LatencyWindow::kSlice * LatencyWindow::kSlices).count()},
                      {"receipt", to_json(receipt_latency_.summarize(now))},
                      {"closure_to_poses", to_json(closure_latency_.summarize(now))}};
+  json["maps"] = to_json(maps_.facts(), options_.maps, head_.graph().graph_revision);
   add_judgement(json, head_, quarantined_, trust);
   return json;
 }

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "cairn/graph/transaction.hpp"
+#include "idl/map_messages.hpp"
 #include "idl/messages.hpp"
 
 namespace cairn {
@@ -43,6 +44,8 @@ class TransportListener {
   /// One that breaks the wire's rules, without its bytes; its names are whole.
   virtual void on_unreadable_payload(Payload payload, std::string reason, const Sender& sender) = 0;
   virtual void on_command(Command command) = 0;
+  /// Whoever serves no maps leaves it unanswered.
+  virtual void on_tile_request(TileRequest /*request*/) {}
   /// Another daemon lives in the domain.
   virtual void on_rival(Status rival) = 0;
   /// The middleware failed or a peer does not fit (other type, other QoS): for the log.
@@ -73,6 +76,10 @@ class Transport {
   virtual void publish_landmarks(const EstimateRevisions& revisions,
                                  const std::vector<LandmarkChunk>& chunks) = 0;
   virtual void publish(const Correction& correction) = 0;
+  /// Latest kept of each block.
+  virtual void publish_tile_index(const std::vector<TileBlock>& blocks) = 0;
+  /// To the client that has asked.
+  virtual void publish(const TileAnswer& answer) = 0;
   virtual void publish(const Status& status) = 0;
   virtual void publish(const Event& event) = 0;
   virtual void reply(const Reply& reply) = 0;

@@ -2,6 +2,7 @@
 // What the scans of a map's nodes make of the ground.
 #include <set>
 
+#include "cairn/graph/ground_pose.hpp"
 #include "cairn/history/export.hpp"
 #include "cairn/history/export_content.hpp"
 #include "cairn/history/map_text.hpp"
@@ -19,12 +20,6 @@ struct ScansOfMap {
   std::vector<PlacedScan> placed;
 };
 
-double yaw_of(const std::vector<double>& pose) {
-  if (pose.size() == 3) return pose[2];
-  const double x = pose[3], y = pose[4], z = pose[5], w = pose[6];
-  return std::atan2(2.0 * (w * z + x * y), 1.0 - 2.0 * (y * y + z * z));
-}
-
 Result<ScansOfMap> find_scans(const ExportContent& content, const std::string& wanted) {
   ScansOfMap found;
   std::set<std::string> robots;
@@ -33,9 +28,8 @@ Result<ScansOfMap> find_scans(const ExportContent& content, const std::string& w
     if (!is_pose(node.type)) continue;
     robots.insert(node.id.frame.robot);
     if (!wanted.empty() && node.id.frame.robot != wanted) continue;
-    const std::vector<double>& pose = content.values[place];
     for (const ContentHash& payload : node.payloads) {
-      found.placed.push_back({found.payloads.size(), Se2(pose[0], pose[1], yaw_of(pose))});
+      found.placed.push_back({found.payloads.size(), ground_pose(content.values[place])});
       found.payloads.push_back(payload);
     }
   }

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <string>
 
+#include "cairn/maps/map_tile.hpp"
+
 namespace cairn {
 namespace {
 
@@ -22,26 +24,32 @@ double to_probability(double log_odds) { return 1.0 / (1.0 + std::exp(-log_odds 
 
 bool is_known(const HitMissCell& cell) { return cell.hits != 0 || cell.misses != 0; }
 
-// The cells that are known, as a box: its lowest cell, and the one behind its highest.
+// Calls visit(column, row, cell) for the cells that were seen, in cells of the map.
+template <class Visit>
+void for_each_seen(const std::map<TileIndex, MapTile>& tiles, const Visit& visit) {
+  for (const auto& [index, tile] : tiles) {
+    for (std::size_t i = 0; i < kTileArea; ++i) {
+      if (tile[i] == TileCell::kUnseen) continue;
+      visit(std::int64_t{index.x} * kTileCells + static_cast<std::int64_t>(i % kTileCells),
+            std::int64_t{index.y} * kTileCells + static_cast<std::int64_t>(i / kTileCells),
+            tile[i]);
+    }
+  }
+}
+
+// The cells that were seen, as a box: its lowest cell, and the one behind its highest.
 struct Box {
   std::int64_t left = INT64_MAX, bottom = INT64_MAX, right = INT64_MIN, top = INT64_MIN;
 };
 
-Box box_of(const Grid<HitMissCell>& grid) {
+Box box_of(const std::map<TileIndex, MapTile>& tiles) {
   Box box;
-  for (const auto& [index, tile] : grid) {
-    for (int row = 0; row < kTileCells; ++row) {
-      for (int column = 0; column < kTileCells; ++column) {
-        if (!is_known(tile.at(column, row))) continue;
-        const std::int64_t x = std::int64_t{index.x} * kTileCells + column;
-        const std::int64_t y = std::int64_t{index.y} * kTileCells + row;
-        box.left = std::min(box.left, x);
-        box.right = std::max(box.right, x + 1);
-        box.bottom = std::min(box.bottom, y);
-        box.top = std::max(box.top, y + 1);
-      }
-    }
-  }
+  for_each_seen(tiles, [&](std::int64_t x, std::int64_t y, TileCell) {
+    box.left = std::min(box.left, x);
+    box.right = std::max(box.right, x + 1);
+    box.bottom = std::min(box.bottom, y);
+    box.top = std::max(box.top, y + 1);
+  });
   return box;
 }
 
@@ -67,8 +75,19 @@ CellState state_of(const HitMissCell& cell, MapModel model) {
   return CellState::kUnknown;
 }
 
-Result<MapImage> draw_map(const Grid<HitMissCell>& grid, double resolution_m, MapModel model) {
-  const Box box = box_of(grid);
+MapTile read_tile(const Tile<HitMissCell>& tile, MapModel model) {
+  MapTile read;
+  std::transform(tile.cells.begin(), tile.cells.end(), read.begin(), [&](const HitMissCell& cell) {
+    if (!is_known(cell)) return TileCell::kUnseen;
+    const CellState state = state_of(cell, model);
+    if (state == CellState::kUnknown) return TileCell::kUndecided;
+    return state == CellState::kFree ? TileCell::kFree : TileCell::kOccupied;
+  });
+  return read;
+}
+
+Result<MapImage> draw_tiles(const std::map<TileIndex, MapTile>& tiles, double resolution_m) {
+  const Box box = box_of(tiles);
   if (box.left > box.right)
     return Error{ErrorCode::kNotUsable, "no scan says anything of any cell: there is no map"};
   MapImage image;
@@ -85,20 +104,19 @@ Result<MapImage> draw_map(const Grid<HitMissCell>& grid, double resolution_m, Ma
   image.T_map_image = Se2(static_cast<double>(box.left) * resolution_m,
                           static_cast<double>(box.bottom) * resolution_m, 0.0);
   image.cells.assign(image.width * image.height, CellState::kUnknown);
-  for (const auto& [index, tile] : grid) {
-    for (int row = 0; row < kTileCells; ++row) {
-      for (int column = 0; column < kTileCells; ++column) {
-        const HitMissCell& cell = tile.at(column, row);
-        if (!is_known(cell)) continue;
-        const auto x =
-            static_cast<std::size_t>(index.x * std::int64_t{kTileCells} + column - box.left);
-        const auto y =
-            static_cast<std::size_t>(index.y * std::int64_t{kTileCells} + row - box.bottom);
-        image.cells[y * image.width + x] = state_of(cell, model);
-      }
-    }
-  }
+  for_each_seen(tiles, [&](std::int64_t x, std::int64_t y, TileCell cell) {
+    if (cell == TileCell::kUndecided) return;
+    image.cells[static_cast<std::size_t>(y - box.bottom) * image.width +
+                static_cast<std::size_t>(x - box.left)] =
+        cell == TileCell::kFree ? CellState::kFree : CellState::kOccupied;
+  });
   return image;
+}
+
+Result<MapImage> draw_map(const Grid<HitMissCell>& grid, double resolution_m, MapModel model) {
+  std::map<TileIndex, MapTile> tiles;
+  for (const auto& [index, tile] : grid) tiles.emplace(index, read_tile(tile, model));
+  return draw_tiles(tiles, resolution_m);
 }
 
 }  // namespace cairn

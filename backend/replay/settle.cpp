@@ -53,20 +53,6 @@ std::map<OdometryFrame, EpochRank> rank_epochs(const PoseGraph& map,
   return ranks;
 }
 
-// Where all factors of a node were switched off, nothing is known of it any more.
-std::vector<NodeIndex> nodes_that_count(const PoseGraph& map) {
-  std::vector<bool> had_factor(map.nodes.size()), has_factor(map.nodes.size());
-  for (std::uint32_t f = 0; f < map.factors.size(); ++f) {
-    const bool enabled = is_enabled(map.factors[f].state);
-    for (const NodeIndex node : map.factors[f].nodes)
-      (enabled ? has_factor : had_factor)[node] = true;
-  }
-  std::vector<NodeIndex> nodes;
-  for (NodeIndex i = 0; i < map.nodes.size(); ++i)
-    if (has_factor[i] || !had_factor[i]) nodes.push_back(i);
-  return nodes;
-}
-
 std::vector<NodeIndex> order_nodes(const PoseGraph& map) {
   std::vector<NodeIndex> order = nodes_that_count(map);
   const std::map<OdometryFrame, EpochRank> ranks = rank_epochs(map, order);
@@ -158,6 +144,19 @@ bool differs(const Estimate& a, const Estimate& b, double tolerance) {
 }
 
 }  // namespace
+
+std::vector<NodeIndex> nodes_that_count(const PoseGraph& map) {
+  std::vector<bool> had_factor(map.nodes.size()), has_factor(map.nodes.size());
+  for (std::uint32_t f = 0; f < map.factors.size(); ++f) {
+    const bool enabled = is_enabled(map.factors[f].state);
+    for (const NodeIndex node : map.factors[f].nodes)
+      (enabled ? has_factor : had_factor)[node] = true;
+  }
+  std::vector<NodeIndex> nodes;
+  for (NodeIndex i = 0; i < map.nodes.size(); ++i)
+    if (has_factor[i] || !had_factor[i]) nodes.push_back(i);
+  return nodes;
+}
 
 CanonicalOrder::CanonicalOrder(const PoseGraph& map)
     : CanonicalOrder(map, [&](std::uint32_t f) { return is_enabled(map.factors[f].state); }) {}

@@ -13,6 +13,9 @@
 
 namespace cairn {
 
+/// Nodes of which something is known, ascending: not those of which all factors were switched off.
+std::vector<NodeIndex> nodes_that_count(const PoseGraph& map);
+
 /// The order in which a map is written down, whoever sent it first: nodes by robot name, then
 /// odometry epoch (by the smallest index and content it holds, never by its random value), then
 /// index; factors by their nodes, type and content. Arrival order, keys and times take no part.

@@ -90,6 +90,7 @@ class ClusterTest {
 
   // By a bound first: as if the errors of a cluster were fully correlated.
   void keep_suspects(const Marginals& marginals) {
+    if (clusters_.empty()) return;  // as of a graph without variables
     acquit([&](Cluster& cluster) { return excess_of(cluster, marginals, true); });
     std::stable_sort(clusters_.begin(), clusters_.end(),
                      [](const Cluster& x, const Cluster& y) { return x.excess > y.excess; });

@@ -134,6 +134,13 @@ std::string vitals_text(const Json& status) {
                                text_of(part(queues, "commands_awaiting_solve")) + " commands, " +
                                text_of(part(queues, "payloads")) + " payloads (" +
                                size_text(queues.value("payload_bytes", std::uint64_t{0})) + ')');
+  if (const Json maps = part(status, "maps"); maps.is_object())
+    text +=
+        line("maps",
+             text_of(part(maps, "scans")) + " scans in " + text_of(part(maps, "tiles")) +
+                 " tiles, rendered to revision " + text_of(part(maps, "rendered_revision")) + " (" +
+                 text_of(part(maps, "behind")) + " behind), " + text_of(part(maps, "missing")) +
+                 " scans missing" + (maps.value("full", false) ? ", FULL (maps: most_mb)" : ""));
   if (const Json latency = part(status, "latency"); latency.is_object()) {
     text += line("receipts", latency_text(part(latency, "receipt")));
     text += line("closures", latency_text(part(latency, "closure_to_poses")));

@@ -104,6 +104,11 @@ void Client::on_landmarks(
 void Client::on_corrections(std::function<void(const Correction&)> callback) {
   engine_->watch_corrections(std::move(callback));
 }
+void Client::on_maps(std::function<void(const MapChange&)> callback) {
+  engine_->watch_maps(std::move(callback));
+}
+std::vector<MapView> Client::maps() const { return engine_->maps(); }
+void Client::look_at_map_from(double x_m, double y_m) { engine_->look_at_map_from(x_m, y_m); }
 void Client::on_status(std::function<void(const Status&)> callback) {
   engine_->watch_status(std::move(callback));
 }

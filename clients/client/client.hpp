@@ -11,6 +11,7 @@
 
 #include "cairn/core/result.hpp"
 #include "cairn/graph/transaction.hpp"
+#include "clients/client/map_follower.hpp"
 #include "idl/dds/entity.hpp"
 #include "idl/link.hpp"
 #include "idl/messages.hpp"
@@ -25,6 +26,8 @@ struct ClientOptions {
   std::filesystem::path spool{};
   std::uint64_t spool_most_bytes = 1ull << 30;
   dds::Network network{};                      ///< where CYCLONEDDS_URI is not set
+  bool follow_maps = false;                    ///< keep a copy of the daemon's maps
+  MapFollower::Options maps{};                 ///< how
   std::chrono::milliseconds retry_first{20};   ///< after a retryable refusal, doubled each time ...
   std::chrono::milliseconds retry_most{5000};  ///< ... up to this
 };
@@ -88,6 +91,13 @@ class Client {
   void on_landmarks(
       std::function<void(const EstimateRevisions&, const std::vector<LandmarkChunk>&)> callback);
   void on_corrections(std::function<void(const Correction&)> callback);
+  /// With ClientOptions::follow_maps: called with all tiles known so far, map by map, then with
+  /// every change, which replaces the tiles that it names.
+  void on_maps(std::function<void(const MapChange&)> callback);
+  /// The copy as it is now; empty without ClientOptions::follow_maps.
+  [[nodiscard]] std::vector<MapView> maps() const;
+  /// Tiles that are nearest to here come first, m in the map. At first: its origin.
+  void look_at_map_from(double x_m, double y_m);
   void on_status(std::function<void(const Status&)> callback);
   void on_events(std::function<void(const Event&)> callback);
   /// Final refusals that no Submission of this process waits for: of a run before this one. May

@@ -8,7 +8,7 @@
 #include <thread>
 #include <utility>
 
-#include "idl/convert.hpp"
+#include "idl/convert_map.hpp"
 #include "idl/dds/endpoint.hpp"
 #include "idl/limits.hpp"
 #include "idl/rounds.hpp"
@@ -25,6 +25,11 @@ bool is_for(const void* sample, void* argument) {
 }
 bool is_reply_for(const void* sample, void* argument) {
   return static_cast<const cairn_wire_Reply*>(sample)->client ==
+         static_cast<const Link::Identity*>(argument)->writer;
+}
+
+bool are_tiles_for(const void* sample, void* argument) {
+  return static_cast<const cairn_wire_Occupancy_tile*>(sample)->client ==
          static_cast<const Link::Identity*>(argument)->writer;
 }
 
@@ -64,6 +69,21 @@ struct Endpoints {
   }
 };
 
+// Of links that follow maps.
+struct MapEndpoints {
+  dds::Reader<cairn_wire_Tile_index> index;
+  dds::Reader<cairn_wire_Occupancy_tile> tiles;
+  dds::Writer<cairn_wire_Tile_request> request;
+
+  static Result<MapEndpoints> make(const dds::Participant& in, const dds::TroubleHandler* trouble,
+                                   Link::Identity* identity) {
+    return dds::collect<MapEndpoints>(
+        dds::Reader<cairn_wire_Tile_index>::make(in, trouble),
+        dds::Reader<cairn_wire_Occupancy_tile>::make(in, trouble, {are_tiles_for, identity}),
+        dds::Writer<cairn_wire_Tile_request>::make(in, trouble));
+  }
+};
+
 class DdsLink final : public Link {
  public:
   DdsLink(const DdsLinkOptions& options, Identity identity)
@@ -82,14 +102,20 @@ class DdsLink final : public Link {
   Result<void> send(const Payload& payload) override {
     return write(&Endpoints::payload, payload, identity_.writer);
   }
+  Result<void> send(const TileRequest& request) override;
   Result<void> send(const Command& command, int timeout_ms) override;
 
  private:
   template <class Wire, class Message, class... More>
   Result<void> write(dds::Writer<Wire> Endpoints::*writer, const Message& message,
                      const More&... more) {
+    return write((*endpoints_).*writer, message, more...);
+  }
+  template <class Wire, class Message, class... More>
+  static Result<void> write(const dds::Writer<Wire>& writer, const Message& message,
+                            const More&... more) {
     wire::Arena arena;
-    const auto code = ((*endpoints_).*writer).write(wire::to_wire(message, more..., arena));
+    const auto code = writer.write(wire::to_wire(message, more..., arena));
     if (code >= 0) return {};
     return dds::to_error(code, std::string("cannot write ") + dds::Topic<Wire>::kName);
   }
@@ -97,7 +123,7 @@ class DdsLink final : public Link {
   Result<void> attach_all(LinkListener& listener);
   // Takes everything there is; what can be read goes to `deliver`.
   template <class Wire, class Deliver>
-  int take(dds::Reader<Wire> Endpoints::*reader, LinkListener& listener, Deliver deliver);
+  int take(dds::Reader<Wire>& reader, LinkListener& listener, Deliver deliver);
   template <class Wire, class Chunk>
   int take_round(dds::Reader<Wire> Endpoints::*reader, LinkListener& listener,
                  Rounds<Chunk>& rounds,
@@ -110,6 +136,7 @@ class DdsLink final : public Link {
   dds::TroubleHandler trouble_;
   std::optional<dds::Participant> participant_;
   std::optional<Endpoints> endpoints_;
+  std::optional<MapEndpoints> map_endpoints_;
   std::unique_ptr<dds::WaitLoop> loop_;
   std::thread thread_;
   Rounds<PoseChunk> pose_rounds_;
@@ -126,6 +153,11 @@ Result<void> DdsLink::start(LinkListener& listener) {
   auto endpoints = Endpoints::make(*participant_, &trouble_, &identity_);
   if (!endpoints) return endpoints.error();
   endpoints_.emplace(std::move(*endpoints));
+  if (identity_.follows_maps) {
+    auto maps = MapEndpoints::make(*participant_, &trouble_, &identity_);
+    if (!maps) return maps.error();
+    map_endpoints_.emplace(std::move(*maps));
+  }
   auto loop = dds::WaitLoop::make(*participant_);
   if (!loop) return loop.error();
   loop_ = std::move(*loop);
@@ -140,14 +172,15 @@ void DdsLink::stop() noexcept {
     thread_.join();
   }
   loop_.reset();
+  map_endpoints_.reset();
   endpoints_.reset();  // and their listeners, which report to who may be gone
 }
 
 template <class Wire, class Deliver>
-int DdsLink::take(dds::Reader<Wire> Endpoints::*reader, LinkListener& listener, Deliver deliver) {
+int DdsLink::take(dds::Reader<Wire>& reader, LinkListener& listener, Deliver deliver) {
   int count = 0;
   do {
-    count = ((*endpoints_).*reader).take([&](const Wire& sample, const dds_sample_info_t& info) {
+    count = reader.take([&](const Wire& sample, const dds_sample_info_t& info) {
       if (!info.valid_data) return;
       auto message = wire::from_wire(sample);
       if (message) return deliver(std::move(*message));
@@ -198,11 +231,12 @@ Result<void> DdsLink::attach_all(LinkListener& listener) {
   const auto attach = [&](const auto& reader, std::function<int()> handler) {
     if (attached) attached = loop_->attach(reader.handle(), std::move(handler));
   };
-  const auto each = [&](auto reader, auto deliver) {
-    attach((*endpoints_).*reader, [this, &listener, reader, deliver] {
+  const auto every = [&](auto& reader, auto deliver) {
+    attach(reader, [this, &listener, &reader, deliver] {
       return take(reader, listener, [&](auto message) { (listener.*deliver)(std::move(message)); });
     });
   };
+  const auto each = [&](auto reader, auto deliver) { every((*endpoints_).*reader, deliver); };
   // Poses before receipts and states: who waits for a revision finds its poses.
   attach(endpoints_->poses, [&] {
     return take_round(&Endpoints::poses, listener, pose_rounds_, &LinkListener::on_poses);
@@ -218,6 +252,9 @@ Result<void> DdsLink::attach_all(LinkListener& listener) {
   each(&Endpoints::status, &LinkListener::on_status);
   each(&Endpoints::event, &LinkListener::on_event);
   attach(endpoints_->reply, [&] { return take_replies(listener); });
+  if (!map_endpoints_) return attached;
+  every(map_endpoints_->index, &LinkListener::on_tile_index);
+  every(map_endpoints_->tiles, &LinkListener::on_tiles);
   return attached;
 }
 
@@ -228,6 +265,11 @@ bool DdsLink::daemon_hears_commands() const {
   return dds_get_publication_matched_status(endpoints_->command.handle(), &commands) >= 0 &&
          dds_get_subscription_matched_status(endpoints_->reply.handle(), &replies) >= 0 &&
          commands.current_count > 0 && replies.current_count > 0;
+}
+
+Result<void> DdsLink::send(const TileRequest& request) {
+  if (map_endpoints_) return write(map_endpoints_->request, request);
+  return Error{ErrorCode::kUsage, "this client follows no maps"};
 }
 
 Result<void> DdsLink::send(const Command& command, int timeout_ms) {

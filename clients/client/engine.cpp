@@ -30,10 +30,16 @@ Client::Engine::Engine(const ClientOptions& options, std::optional<ClientSpools>
     : options_(options),
       identity_{.source = options.source,
                 .epoch = spools ? spools->transactions.epoch() : 0,
-                .writer = random_number()},
+                .writer = random_number(),
+                .follows_maps = options.follow_maps},
       link_(make_link(identity_)),
       spool_(spools ? std::optional(std::move(spools->transactions)) : std::nullopt),
       outgoing_(spool_ ? spool_->next_sequence() : 1, {options.retry_first, options.retry_most}) {
+  if (options.follow_maps)
+    maps_ = std::make_unique<MapFollower>(
+        *link_, identity_.writer, options.maps,
+        MapFollower::Calls{.prune_now = [this] { prune_maps(); },
+                           .tell = [this](Error error) { tell(std::move(error)); }});
   if (!spool_) return;
   payloads_ = std::make_unique<PayloadSender>(std::move(spools->payloads), identity_, *link_,
                                               [this](Error error) { tell(std::move(error)); });
@@ -46,6 +52,7 @@ Client::Engine::Engine(const ClientOptions& options, std::optional<ClientSpools>
 
 Result<void> Client::Engine::start() {
   if (auto started = link_->start(*this); !started) return started;
+  if (maps_) maps_->start();
   if (!spool_) return {};
   tell_daemon();
   payloads_->start();
@@ -61,6 +68,7 @@ Client::Engine::~Engine() {
   work_.notify_all();
   if (worker_.joinable()) worker_.join();
   if (payloads_) payloads_->stop();
+  if (maps_) maps_->stop();
   link_->stop();
   for (auto& [sequence, handle] : waiting_)
     handle->finish(

@@ -69,6 +69,9 @@ class Client::Engine final : public LinkListener {
   void watch_landmarks(
       std::function<void(const EstimateRevisions&, const std::vector<LandmarkChunk>&)> callback);
   void watch_corrections(std::function<void(const Correction&)> callback);
+  void watch_maps(std::function<void(const MapChange&)> callback);
+  [[nodiscard]] std::vector<MapView> maps() const;
+  void look_at_map_from(double x_m, double y_m);
   void watch_status(std::function<void(const Status&)> callback);
   void watch_events(std::function<void(const Event&)> callback);
   void watch_refusals(std::function<void(const Receipt&)> callback);
@@ -83,6 +86,8 @@ class Client::Engine final : public LinkListener {
   void on_status(Status status) override;
   void on_event(Event event) override;
   void on_reply(Reply reply) override;
+  void on_tile_index(TileBlock block) override;
+  void on_tiles(TileAnswer answer) override;
   void on_trouble(Error error) override;
 
  private:
@@ -104,12 +109,15 @@ class Client::Engine final : public LinkListener {
   [[nodiscard]] Outgoing::Clock::time_point next_telling() const;  // under mutex_
   void tell_daemon();
   void tell(Error error);
+  void prune_maps();
+  void tell_of_map(const MapChange& change);  // under callbacks_
   void tell_refusal(const Receipt& receipt);
 
   ClientOptions options_;
   Link::Identity identity_;
   std::unique_ptr<Link> link_;
   std::unique_ptr<PayloadSender> payloads_;  // null without a source
+  std::unique_ptr<MapFollower> maps_;        // null where no maps are followed
   std::thread worker_;
   std::atomic<std::thread::id> callback_thread_{};
 
@@ -146,6 +154,7 @@ class Client::Engine final : public LinkListener {
   std::function<void(const EstimateRevisions&, const std::vector<LandmarkChunk>&)>
       landmark_callback_;
   std::function<void(const Correction&)> correction_callback_;
+  std::function<void(const MapChange&)> map_callback_;
   std::function<void(const Status&)> status_callback_;
   std::function<void(const Event&)> event_callback_;
   std::function<void(const Receipt&)> refusal_callback_;

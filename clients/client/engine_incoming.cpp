@@ -98,6 +98,35 @@ void Client::Engine::on_reply(Reply reply) {
   arrived_.notify_all();
 }
 
+void Client::Engine::on_tile_index(TileBlock block) {
+  const std::lock_guard lock(callbacks_);
+  if (maps_) tell_of_map(maps_->take(block));
+}
+
+void Client::Engine::on_tiles(TileAnswer answer) {
+  if (!maps_) return;
+  std::optional<Error> fault;
+  {
+    const std::lock_guard lock(callbacks_);
+    const Result<MapChange> change = maps_->take(answer);
+    if (change)
+      tell_of_map(*change);
+    else
+      fault = change.error();
+  }
+  if (fault) tell(std::move(*fault));
+}
+
+void Client::Engine::prune_maps() {
+  const std::lock_guard lock(callbacks_);
+  for (const MapChange& change : maps_->prune()) tell_of_map(change);
+}
+
+void Client::Engine::tell_of_map(const MapChange& change) {
+  const InCallback mark(callback_thread_);
+  if (map_callback_ && !(change.changed.empty() && change.gone.empty())) map_callback_(change);
+}
+
 void Client::Engine::on_trouble(Error error) { tell(std::move(error)); }
 
 void Client::Engine::tell(Error error) {
@@ -196,6 +225,22 @@ void Client::Engine::watch_corrections(std::function<void(const Correction&)> ca
   const InCallback mark(callback_thread_);
   if (correction_callback_)
     for (const auto& [frame, correction] : corrections_) correction_callback_(correction);
+}
+
+void Client::Engine::watch_maps(std::function<void(const MapChange&)> callback) {
+  const std::lock_guard lock(callbacks_);
+  map_callback_ = std::move(callback);
+  if (!map_callback_) return;
+  for (MapView& view : maps())
+    tell_of_map({view.map, view.estimate, view.resolution_m, std::move(view.tiles), {}});
+}
+
+std::vector<MapView> Client::Engine::maps() const {
+  return maps_ ? maps_->views() : std::vector<MapView>();
+}
+
+void Client::Engine::look_at_map_from(double x_m, double y_m) {
+  if (maps_) maps_->look_from(x_m, y_m);
 }
 
 void Client::Engine::watch_status(std::function<void(const Status&)> callback) {

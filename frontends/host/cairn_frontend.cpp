@@ -18,6 +18,9 @@ constexpr const char* kFooter =
     "Keyframes, odometry and loop closures of a sensor log go to the daemon of the domain. A run "
     "that was interrupted\n"
     "goes on where its spool ends; for a new one, take another --robot or an empty --spool.\n"
+    "--input ros takes /scan, /odom and /tf_static of a ROS 2 robot until SIGINT, and publishes "
+    "/tf "
+    "and /trajectory;\neach run is an epoch of its own. An unknown setting names those there are.\n"
     "Exit codes: 0 everything is durable, 2 usage, 3 bad input, 4 refused, 5 no daemon answers.";
 
 struct Arguments {

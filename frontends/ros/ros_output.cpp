@@ -77,7 +77,7 @@ void RosOutput::publish_transform() {
 void RosOutput::publish_trajectory_when_due() {
   const auto now = std::chrono::steady_clock::now();
   if (!path_ || !moved_ || now - published_ < std::chrono::seconds(1)) return;
-  const Se2 T_laser_base = settings_.T_base_laser.inverse();
+  const Se2 T_laser_base = T_base_laser_.inverse();
   std::vector<geometry_msgs_msg_dds__PoseStamped_> poses;
   poses.reserve(trajectory_.keyframes().size());
   for (const auto& [index, keyframe] : trajectory_.keyframes())

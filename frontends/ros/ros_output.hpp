@@ -20,6 +20,12 @@ class RosOutput final : public HostObserver {
   static Result<RosOutput> make(const dds::Participant& participant, const RosSettings& settings,
                                 const dds::TroubleHandler* trouble);
 
+  /// Where the laser, which is the body of poses in the map, sits on the robot.
+  void set_T_base_laser(const Se2& T_base_laser) { T_base_laser_ = T_base_laser; }
+
+  /// Also to be called while no scans come: what they left may be due.
+  void publish_trajectory_when_due();
+
   void on_epoch(const OdometryFrame& frame) override;
   void on_keyframe(const Transaction& keyframe) override;
   void on_snapshot(const MapSnapshot& snapshot) override;
@@ -29,7 +35,6 @@ class RosOutput final : public HostObserver {
   explicit RosOutput(const RosSettings& settings, const dds::TroubleHandler* trouble)
       : settings_(settings), trouble_(trouble) {}
   void publish_transform();
-  void publish_trajectory_when_due();
   void check(dds_return_t written, const std::string& topic) const;
 
   RosSettings settings_;
@@ -37,6 +42,7 @@ class RosOutput final : public HostObserver {
   std::optional<dds::Writer<ros::TFMessage>> tf_;
   std::optional<dds::Writer<ros::Path>> path_;
   LiveTrajectory trajectory_;
+  Se2 T_base_laser_;
   struct Placed {
     std::int64_t stamp_ns;
     Se2 T_odom_laser;  ///< by the robot's odometry

@@ -11,6 +11,7 @@
 #include "frontends/ros/complaints.hpp"
 #include "frontends/ros/ros_output.hpp"
 #include "frontends/ros/scan_queue.hpp"
+#include "frontends/ros/static_transforms.hpp"
 
 namespace cairn {
 namespace {
@@ -18,13 +19,15 @@ namespace {
 using Clock = std::chrono::steady_clock;
 constexpr auto kTurn = std::chrono::milliseconds(100);
 constexpr auto kSilence = std::chrono::seconds(10);
+constexpr double kMostTiltRad = 0.1;
+constexpr auto kMountPatience = std::chrono::seconds(5);
 
 std::string text_of(const char* text) { return text == nullptr ? std::string() : text; }
 
 class RosRobot final : public FrameSource {
  public:
   explicit RosRobot(const RosSettings& settings)
-      : settings_(settings), queue_(!settings.odometry.empty(), settings.T_base_laser) {}
+      : settings_(settings), queue_(!settings.odometry.empty()) {}
   ~RosRobot() override {
     if (!thread_.joinable()) return;
     loop_->stop();
@@ -41,7 +44,12 @@ class RosRobot final : public FrameSource {
  private:
   int take_scans();
   int take_odometry();
+  int take_static();
   void take(const ros::LaserScan& message);
+  [[nodiscard]] bool find_mount(const std::string& laser);
+  template <class T>
+  Result<void> listen(std::optional<dds::Reader<T>>& reader, const std::string& topic,
+                      dds::Traffic traffic, int (RosRobot::*taker)());
   void complain(const char* kind, const std::string& topic, const std::string& text) {
     complaints_.add(kind,
                     topic + " in ROS domain " + std::to_string(settings_.domain) + ": " + text);
@@ -61,15 +69,20 @@ class RosRobot final : public FrameSource {
   std::optional<dds::Participant> participant_;
   std::optional<dds::Reader<ros::LaserScan>> scans_;
   std::optional<dds::Reader<ros::Odometry>> odometry_;
+  std::optional<dds::Reader<ros::TFMessage>> static_;
   std::optional<RosOutput> output_;
   std::unique_ptr<dds::WaitLoop> loop_;
   std::thread thread_;
-  std::atomic<std::uint64_t> left_out_ = 0;
+  std::atomic<std::uint64_t> left_out_ = 0, without_mount_ = 0;
   Clock::time_point heard_ = Clock::now();  // of the thread that calls next()
 
   // Of the thread that takes samples.
   std::optional<std::string> laser_frame_;  ///< of the first scan: the others are left out
   std::size_t beams_ = 0;
+  std::string base_frame_;
+  StaticTransforms transforms_;
+  std::optional<LaserMount> mount_;
+  std::optional<Clock::time_point> mount_sought_;
 };
 
 Result<void> RosRobot::start() {
@@ -82,31 +95,45 @@ Result<void> RosRobot::start() {
   auto loop = dds::WaitLoop::make(*participant_);
   if (!loop) return loop.error();
   loop_ = std::move(*loop);
-  // Odometry first: a scan finds what arrived with it.
-  if (!settings_.odometry.empty()) {
-    auto reader = dds::Reader<ros::Odometry>::make(
-        *participant_, ros::describe<ros::Odometry>(settings_.odometry, dds::Traffic::kSensor),
-        &trouble_);
-    if (!reader) return reader.error();
-    odometry_.emplace(std::move(*reader));
-    if (auto attached = loop_->attach(odometry_->handle(), [this] { return take_odometry(); });
-        !attached)
-      return attached;
+  // Scans last: they find what arrived with them.
+  if (!settings_.tf_static.empty() && !settings_.T_base_laser) {
+    if (auto heard = listen(static_, settings_.tf_static, dds::Traffic::kFixedTransforms,
+                            &RosRobot::take_static);
+        !heard)
+      return heard;
   }
-  auto reader = dds::Reader<ros::LaserScan>::make(
-      *participant_, ros::describe<ros::LaserScan>(settings_.scan, dds::Traffic::kSensor),
-      &trouble_);
-  if (!reader) return reader.error();
-  scans_.emplace(std::move(*reader));
-  if (auto attached = loop_->attach(scans_->handle(), [this] { return take_scans(); }); !attached)
-    return attached;
+  if (!settings_.odometry.empty()) {
+    if (auto heard =
+            listen(odometry_, settings_.odometry, dds::Traffic::kSensor, &RosRobot::take_odometry);
+        !heard)
+      return heard;
+  }
+  if (auto heard = listen(scans_, settings_.scan, dds::Traffic::kSensor, &RosRobot::take_scans);
+      !heard)
+    return heard;
   thread_ = std::thread([this] { loop_->run(trouble_); });
   return {};
+}
+
+template <class T>
+Result<void> RosRobot::listen(std::optional<dds::Reader<T>>& reader, const std::string& topic,
+                              dds::Traffic traffic, int (RosRobot::*taker)()) {
+  auto made = dds::Reader<T>::make(*participant_, ros::describe<T>(topic, traffic), &trouble_);
+  if (!made) return made.error();
+  reader.emplace(std::move(*made));
+  return loop_->attach(reader->handle(), [this, taker] { return (this->*taker)(); });
+}
+
+int RosRobot::take_static() {
+  return static_->take([&](const ros::TFMessage& message, const dds_sample_info_t& info) {
+    if (info.valid_data) transforms_.add(message);
+  });
 }
 
 int RosRobot::take_odometry() {
   return odometry_->take([&](const ros::Odometry& message, const dds_sample_info_t& info) {
     if (!info.valid_data) return;
+    base_frame_ = text_of(message.child_frame_id);
     const Result<StampedPose> pose = to_stamped_pose(message);
     if (pose) return queue_.push(*pose);
     complain("odometry", settings_.odometry,
@@ -137,10 +164,40 @@ void RosRobot::take(const ros::LaserScan& message) {
   }
   laser_frame_ = frame;
   tell_changes(message);
+  if (!mount_ && !find_mount(frame)) return;
+  if (mount_->upside_down) turn_upright(*scan);
   if (!queue_.push(std::move(*scan)))
     complain("behind", settings_.scan,
              "the front-end is behind: the oldest of " + std::to_string(ScanQueue::kMost) +
                  " waiting scans is dropped");
+}
+
+// Where the laser sits is asked once: a scan that came before the answer would bend the map.
+bool RosRobot::find_mount(const std::string& laser) {
+  if (settings_.T_base_laser) {
+    mount_ = LaserMount{*settings_.T_base_laser};
+  } else if (!odometry_ || !static_) {
+    mount_ = LaserMount{};
+  } else if (const auto T_base_laser = transforms_.T_a_b(base_frame_, laser)) {
+    mount_ = to_mount(*T_base_laser);
+  } else if (!mount_sought_ || Clock::now() - *mount_sought_ < kMountPatience) {
+    if (!mount_sought_) mount_sought_ = Clock::now();
+    ++without_mount_;
+    return false;
+  } else {
+    complain("mount", settings_.tf_static,
+             "nothing leads from '" + quote(base_frame_) + "' (odometry's child_frame_id) to '" +
+                 quote(laser) +
+                 "': the laser is taken to be in the robot's middle and to look "
+                 "ahead; laser=X/Y/YAW says where it is");
+    mount_ = LaserMount{};
+  }
+  if (mount_->tilt_rad > kMostTiltRad)
+    complain("tilt", settings_.tf_static,
+             "the laser '" + quote(laser) + "' is tilted by " + std::to_string(mount_->tilt_rad) +
+                 " rad; a map needs a level one, and it is taken as level");
+  queue_.set_T_base_laser(mount_->T_base_laser);
+  return true;
 }
 
 void RosRobot::tell_changes(const ros::LaserScan& message) {
@@ -155,9 +212,11 @@ Result<NextFrame> RosRobot::next() {
   std::optional<LaserScan> scan = queue_.pop(Clock::now() + kTurn);
   if (!scan) {
     tell_silence();
+    output_->publish_trajectory_when_due();
     return NextFrame(NothingYet());
   }
   heard_ = Clock::now();
+  output_->set_T_base_laser(queue_.T_base_laser());
   if (!settings_.odometry.empty() && !scan->T_odom_laser) tell_missing_odometry(*scan);
   return NextFrame(SensorFrame(std::move(*scan)));
 }
@@ -197,7 +256,10 @@ std::string RosRobot::report() const {
          std::to_string(counts.dropped) +
          " of them were dropped because the front-end was behind; " + std::to_string(left_out_) +
          " were left out as unusable; " + std::to_string(counts.without_odometry) +
-         " had no odometry";
+         " had no odometry" +
+         (without_mount_ == 0 ? ""
+                              : "; before them " + std::to_string(without_mount_) +
+                                    " came before it was known where the laser sits");
 }
 
 }  // namespace

@@ -66,7 +66,7 @@ bool read_mount(const std::string& text, RosSettings& settings) {
 }
 
 const std::vector<Key>& keys() {
-  static const std::vector<Key> all{
+  static const std::vector<Key> kAll{
       {"domain", "a number from 0 to 230",
        [](const std::string& text, RosSettings& settings) {
          const auto number = whole_number(text, 230);
@@ -81,6 +81,7 @@ const std::vector<Key>& keys() {
       topic("scan", &RosSettings::scan, false),
       topic("odom", &RosSettings::odometry, true),
       topic("tf", &RosSettings::tf, true),
+      topic("tf_static", &RosSettings::tf_static, true),
       topic("trajectory", &RosSettings::trajectory, true),
       frame("map_frame", &RosSettings::map_frame),
       frame("odom_frame", &RosSettings::odom_frame),
@@ -93,7 +94,7 @@ const std::vector<Key>& keys() {
          return number.has_value();
        }},
   };
-  return all;
+  return kAll;
 }
 
 Result<void> read_setting(const std::string& text, RosSettings& settings) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <chrono>
+#include <optional>
 #include <string>
 
 #include "cairn/core/result.hpp"
@@ -20,7 +21,8 @@ struct RosSettings {
   std::string tf = "rt/tf";                  ///< empty: not published
   std::string trajectory = "rt/trajectory";  ///< empty: not published
   std::string map_frame = "map", odom_frame = "odom";
-  Se2 T_base_laser{};
+  std::string tf_static = "rt/tf_static";   ///< empty: not listened to
+  std::optional<Se2> T_base_laser{};        ///< nothing: from tf_static
   std::chrono::milliseconds tf_ahead{200};  ///< transforms are stamped so much after their scan
 };
 

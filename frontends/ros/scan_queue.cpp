@@ -6,6 +6,16 @@
 
 namespace cairn {
 
+void ScanQueue::set_T_base_laser(const Se2& T_base_laser) {
+  const std::lock_guard lock(mutex_);
+  T_base_laser_ = T_base_laser;
+}
+
+Se2 ScanQueue::T_base_laser() const {
+  const std::lock_guard lock(mutex_);
+  return T_base_laser_;
+}
+
 bool ScanQueue::push(LaserScan scan, Clock::time_point now) {
   const std::lock_guard lock(mutex_);
   ++counts_.arrived;

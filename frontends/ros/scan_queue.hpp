@@ -31,8 +31,10 @@ class ScanQueue {
     Clock::time_point arrived;
   };
 
-  explicit ScanQueue(bool has_odometry, const Se2& T_base_laser = {})
-      : has_odometry_(has_odometry), T_base_laser_(T_base_laser) {}
+  explicit ScanQueue(bool has_odometry) : has_odometry_(has_odometry) {}
+
+  void set_T_base_laser(const Se2& T_base_laser);
+  [[nodiscard]] Se2 T_base_laser() const;
 
   /// False where the oldest one had to go for it.
   bool push(LaserScan scan, Clock::time_point now = Clock::now());
@@ -48,11 +50,11 @@ class ScanQueue {
   LaserScan take();
 
   const bool has_odometry_;
-  const Se2 T_base_laser_;
   mutable std::mutex mutex_;  // guards what follows
   std::condition_variable changed_;
   std::deque<Entry> waiting_;
   OdometryBuffer odometry_;
+  Se2 T_base_laser_;
   Counts counts_;
 };
 

@@ -49,7 +49,7 @@ Listener make_listener(Endpoint::Role role, const TroubleHandler* trouble) {
 
 std::int32_t depth_of(Traffic traffic) {
   if (traffic == Traffic::kSensor) return 20;
-  return traffic == Traffic::kTransforms ? 100 : 1;
+  return traffic == Traffic::kTransforms || traffic == Traffic::kFixedTransforms ? 100 : 1;
 }
 
 }  // namespace
@@ -65,10 +65,10 @@ Qos make_qos(Traffic traffic) {
     dds_qset_history(qos.get(), DDS_HISTORY_KEEP_ALL, 0);
   else
     dds_qset_history(qos.get(), DDS_HISTORY_KEEP_LAST, depth_of(traffic));
-  if (traffic == Traffic::kLatest) {
+  if (traffic == Traffic::kLatest || traffic == Traffic::kFixedTransforms) {
     dds_qset_durability(qos.get(), DDS_DURABILITY_TRANSIENT_LOCAL);
-    dds_qset_durability_service(qos.get(), 0, DDS_HISTORY_KEEP_LAST, 1, DDS_LENGTH_UNLIMITED,
-                                DDS_LENGTH_UNLIMITED, DDS_LENGTH_UNLIMITED);
+    dds_qset_durability_service(qos.get(), 0, DDS_HISTORY_KEEP_LAST, depth_of(traffic),
+                                DDS_LENGTH_UNLIMITED, DDS_LENGTH_UNLIMITED, DDS_LENGTH_UNLIMITED);
   }
   return qos;
 }

@@ -1,18 +1,19 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "idl/convert.hpp"
+#include "idl/convert_map.hpp"
 #include "idl/dds/entity.hpp"
 
 namespace cairn::dds {
 
 /// How the samples of a topic are treated; idl/README.md has the table.
 enum class Traffic {
-  kLatest,      ///< reliable, the newest of each instance kept for late joiners
-  kEvery,       ///< reliable, all of them, to those who are there
-  kBulk,        ///< reliable, the newest of each instance, to those who are there
-  kSensor,      ///< best effort, the newest 20, to those who are there
-  kTransforms,  ///< reliable, the newest 100, to those who are there
+  kLatest,           ///< reliable, the newest of each instance kept for late joiners
+  kEvery,            ///< reliable, all of them, to those who are there
+  kBulk,             ///< reliable, the newest of each instance, to those who are there
+  kSensor,           ///< best effort, the newest 20, to those who are there
+  kTransforms,       ///< reliable, the newest 100, to those who are there
+  kFixedTransforms,  ///< reliable, the newest 100, kept for late joiners
 };
 
 /// Name, type and traffic of the topic that carries T.
@@ -40,6 +41,9 @@ CAIRN_TOPIC(Command, "cairn/command", kEvery);
 CAIRN_TOPIC(Reply, "cairn/reply", kEvery);
 CAIRN_TOPIC(Status, "cairn/status", kLatest);
 CAIRN_TOPIC(Event, "cairn/event", kEvery);
+CAIRN_TOPIC(Tile_index, "cairn/tile_index", kLatest);
+CAIRN_TOPIC(Tile_request, "cairn/tile_request", kBulk);
+CAIRN_TOPIC(Occupancy_tile, "cairn/occupancy_tile", kBulk);
 
 #undef CAIRN_TOPIC
 

@@ -73,7 +73,8 @@ TEST(OdometryBuffer, IsBounded) {
 }
 
 TEST(ScanQueue, GivesScansInOrderOfArrivalWithTheirOdometry) {
-  ScanQueue queue(true, Se2(0.0, 1.0, 0.0));
+  ScanQueue queue(true);
+  queue.set_T_base_laser(Se2(0.0, 1.0, 0.0));
   queue.push(at(1000, 0.0));
   queue.push(at(1100, 1.0));
   EXPECT_TRUE(queue.push(scan_at(1050)));

@@ -23,11 +23,13 @@ TEST(RosSettings, HaveTheDefaultsOfRos) {
   EXPECT_EQ(settings->scan, "rt/scan");
   EXPECT_EQ(settings->odometry, "rt/odom");
   EXPECT_EQ(settings->tf, "rt/tf");
+  EXPECT_EQ(settings->tf_static, "rt/tf_static");
+  EXPECT_FALSE(settings->T_base_laser);
 }
 
 TEST(RosSettings, AreRead) {
   const auto settings = parse_ros_settings(
-      "domain=7,scan=/front/scan,odom=,tf=,trajectory=path,map_frame=m,odom_frame=o,"
+      "domain=7,scan=/front/scan,odom=,tf=,tf_static=,trajectory=path,map_frame=m,odom_frame=o,"
       "laser=0.25/-1/90,tf_ahead_ms=0,interface=eth0");
   ASSERT_TRUE(settings) << settings.error().message;
   EXPECT_EQ(settings->domain, 7u);
@@ -38,9 +40,9 @@ TEST(RosSettings, AreRead) {
   EXPECT_EQ(settings->trajectory, "rt/path");
   EXPECT_EQ(settings->map_frame, "m");
   EXPECT_EQ(settings->odom_frame, "o");
-  EXPECT_EQ(settings->T_base_laser.x(), 0.25);
-  EXPECT_EQ(settings->T_base_laser.y(), -1.0);
-  EXPECT_NEAR(settings->T_base_laser.theta(), 0.5 * std::numbers::pi, 1e-12);
+  EXPECT_EQ(settings->T_base_laser->x(), 0.25);
+  EXPECT_EQ(settings->T_base_laser->y(), -1.0);
+  EXPECT_NEAR(settings->T_base_laser->theta(), 0.5 * std::numbers::pi, 1e-12);
   EXPECT_EQ(settings->tf_ahead.count(), 0);
 }
 

@@ -27,6 +27,8 @@ class Replies final : public Transport {
   void publish_landmarks(const EstimateRevisions& /*revisions*/,
                          const std::vector<LandmarkChunk>& /*chunks*/) override {}
   void publish(const Correction& /*correction*/) override {}
+  void publish_tile_index(const std::vector<TileBlock>& /*blocks*/) override {}
+  void publish(const TileAnswer& /*answer*/) override {}
   void publish(const Status& /*status*/) override {}
   void publish(const Event& /*event*/) override {}
   void reply(const Reply& reply) override {

@@ -16,6 +16,7 @@ TEST(Config, SetsWhatAFileNamesAndLeavesTheRest) {
                        "solve:\n  after_pause_ms: 50\n"
                        "intake:\n  patience_s: 3\n"
                        "journal: {buffer_kb: 4096}\n"
+                       "maps: {enabled: false, resolution_m: 0.2, most_mb: 64}\n"
                        "log: {format: json, from: warning}\n",
                        "f", config));
   EXPECT_EQ(config.domain, 7U);
@@ -25,6 +26,9 @@ TEST(Config, SetsWhatAFileNamesAndLeavesTheRest) {
   EXPECT_EQ(config.service.limits.patience_ns, 3'000'000'000);
   EXPECT_EQ(config.service.limits.held, SequencerLimits{}.held);
   EXPECT_EQ(config.journal_buffer_bytes, 4u << 20);
+  EXPECT_FALSE(config.service.maps.enabled);
+  EXPECT_EQ(config.service.maps.resolution_m, 0.2);
+  EXPECT_EQ(config.service.maps.most_bytes, 64u << 20);
   EXPECT_EQ(config.log_format, LogFormat::kJson);
   EXPECT_EQ(config.log_from, Severity::kWarning);
   EXPECT_TRUE(read_config_text("", "f", config));
@@ -48,7 +52,7 @@ TEST(Config, RefusesWhatItDoesNotKnowAndSaysWhere) {
   const std::pair<std::string, std::string> cases[] = {
       {"networks: {}",
        "f:1:1: unknown section 'networks'; expected: network, solve, thin, jumps, journal, "
-       "intake, payloads, log"},
+       "intake, payloads, maps, log"},
       {"network:\n  domian: 3\n",
        "f:2:3: unknown key 'network.domian'; expected: domain, profile, interface"},
       {"network:\n  domain: 233\n",
@@ -62,7 +66,7 @@ TEST(Config, RefusesWhatItDoesNotKnowAndSaysWhere) {
       {"network: 3",
        "f:1:10: the section network has no keys; expected: domain, profile, interface"},
       {"- a",
-       "f:1:1: no sections; expected: network, solve, thin, jumps, journal, intake, payloads, log"},
+       "f:1:1: no sections; expected: network, solve, thin, jumps, journal, intake, payloads, maps, log"},
       {"network: {", "f:1:1: not YAML: end of map flow not found"},
       {"solve: {after_pause_ms: 99999999999999999999}",
        "f:1:25: solve.after_pause_ms is '99999999999999999999'; expected a whole number from 1 to "

@@ -64,6 +64,11 @@ std::uint64_t drawn_seed() {
   return seed;
 }
 
+TEST(LoopGate, HasNothingToSayOfAnEmptyGraph) {
+  Graph graph;
+  EXPECT_THAT(solve_gated(graph, {}).left_out, IsEmpty());
+}
+
 TEST(LoopGate, FindsFalseLoopsInThePlane) {
   for (const std::uint64_t seed : {1, 2, 3})
     find_all_and_only_false_loops<BetweenSe2>(simulated(World::kCity, 1000, seed), 30, 12, seed);

@@ -15,7 +15,6 @@
 namespace cairn {
 namespace {
 
-using dds::Endpoint;
 using dds::Traffic;
 
 // Bytes by hand: each number at a multiple of its size, counted from behind the header.
