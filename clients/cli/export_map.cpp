@@ -1,28 +1,58 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "clients/cli/export_map.hpp"
 
-#include <filesystem>
+#include <map>
 
 #include "cairn/core/exit_code.hpp"
 #include "cairn/drawing/graph_picture.hpp"
 #include "cairn/history/export.hpp"
+#include "cairn/history/map_text.hpp"
 #include "cairn/io/graph_file.hpp"
-#include "cairn/io/map_file.hpp"
+#include "clients/cli/choices.hpp"
 #include "clients/cli/console.hpp"
+#include "clients/cli/map_files.hpp"
 #include "clients/cli/outputs.hpp"
-#include "clients/cli/received_map.hpp"
+#include "clients/cli/target.hpp"
 
 namespace cairn::cli {
 namespace {
 
 struct MapArguments {
   Target target;
-  MapQuestion map;
-  std::string out, picture;
-  bool quiet = false;
+  std::string out, robot, model = "occupancy", picture;
+  double resolution_m = 0.05;
+  bool live = false, quiet = false;
 };
 
-GrayImage to_gray(const MapImage& map) { return {map.width, map.height, gray_levels(map)}; }
+// What came as the answer.
+struct ReceivedMap {
+  MapImage image;
+  std::size_t scans = 0, missing = 0;
+  std::string graph;
+};
+
+Result<ReceivedMap> ask_for_map(const MapArguments& a) {
+  Question question{"export map"};
+  question.options["resolution"] = a.resolution_m;
+  question.options["model"] = a.model;
+  question.options["live"] = a.live;
+  question.options["with_graph"] = !a.picture.empty();
+  if (!a.robot.empty()) question.options["robot"] = a.robot;
+  const Result<std::string> text = ask(a.target, question);
+  if (!text) return text.error();
+  const Result<NamedFiles> files = split_files(*text);
+  if (!files) return files.error();
+  std::map<std::string, std::string> content(files->begin(), files->end());
+  Result<MapImage> image = parse_map_text(content["map"]);
+  if (!image) return image.error();
+  const auto counts = nlohmann::json::parse(content["counts"], nullptr, false);
+  const auto count = [&](const char* key) -> std::size_t {
+    if (!counts.is_object() || !counts.contains(key) || !counts[key].is_number_unsigned()) return 0;
+    return counts[key].get<std::size_t>();
+  };
+  return ReceivedMap{std::move(*image), count("scans"), count("missing"),
+                     std::move(content["graph"])};
+}
 
 Result<void> draw(const ReceivedMap& map, const std::string& path) {
   constexpr std::size_t kMostPixels = std::size_t{1} << 26;
@@ -41,43 +71,17 @@ Result<void> draw(const ReceivedMap& map, const std::string& path) {
   return draw_graphs({&view, 1}, path, {.title = "map"});
 }
 
-struct MapPaths {
-  std::string image, yaml;
-};
-
-Result<MapPaths> paths_of(const std::string& out) {
-  const std::filesystem::path path(out);
-  const std::string extension = path.extension().string();
-  const auto with = [&](const char* ending) {
-    return std::filesystem::path(path).replace_extension(ending).string();
-  };
-  if (extension == ".pgm" || extension == ".png") return MapPaths{out, with(".yaml")};
-  if (extension == ".yaml") return MapPaths{with(".pgm"), out};
-  return Error{ErrorCode::kUsage, "a map must be named .pgm, .png or .yaml", out};
-}
-
-Result<NamedFiles> make_files(const MapPaths& paths, const MapImage& map) {
-  const Result<std::string> yaml =
-      write_map_yaml(map, std::filesystem::path(paths.image).filename().string());
-  if (!yaml) return yaml.error();
-  if (paths.image.ends_with(".pgm"))
-    return NamedFiles{{paths.image, write_pgm(map)}, {paths.yaml, *yaml}};
-  const Result<std::string> png = encode_png(to_gray(map));
-  if (!png) return png.error();
-  return NamedFiles{{paths.image, *png}, {paths.yaml, *yaml}};
-}
-
 int export_map(const MapArguments& a) {
-  const Result<MapPaths> paths = paths_of(a.out);
+  const Result<MapPaths> paths = map_paths(a.out);
   if (!paths) return fail(paths.error());
   if (!a.picture.empty()) {
     if (auto sound = check_picture(a.picture); !sound) return fail(sound.error());
   }
   if (auto writable = check_outputs({paths->image, paths->yaml, a.picture}); !writable)
     return fail(writable.error());
-  const Result<ReceivedMap> map = ask_for_map(a.target, a.map);
+  const Result<ReceivedMap> map = ask_for_map(a);
   if (!map) return fail(map.error());
-  const Result<NamedFiles> files = make_files(*paths, map->image);
+  const Result<NamedFiles> files = map_files(*paths, map->image);
   if (!files) return fail(files.error());
   if (!a.picture.empty()) {
     if (auto drawn = draw(*map, a.picture); !drawn) return fail(drawn.error());
@@ -116,18 +120,23 @@ std::pair<CLI::App*, Run> add_export_map(CLI::App& export_verb) {
       ->required()
       ->default_str("");
   add_target(*verb, a->target);
-  add_map_question(*verb, a->map);
+  verb->add_option("--resolution", a->resolution_m, "side of a cell, m, from 0.01 to 10")
+      ->type_name("M")
+      ->check(CLI::Range(0.01, 10.0).description(""))
+      ->capture_default_str();
+  const Choices<std::string> models{{"occupancy", "occupancy"}, {"reflection", "reflection"}};
+  add_choice(*verb, "--model", a->model, models, "how scans become cells");
+  verb->add_option("--robot", a->robot, "only the scans of this one")
+      ->type_name("NAME")
+      ->default_str("");
   verb->add_option("--picture", a->picture,
                    "also a picture, .png or .svg, with trajectories and loop closures")
       ->type_name("OUT")
       ->default_str("");
-  verb->add_flag("--live", a->map.live,
+  verb->add_flag("--live", a->live,
                  "the estimate that the daemon publishes, in place of the settled one");
   verb->add_flag("-q,--quiet", a->quiet, "say nothing but warnings and errors");
-  return {verb, [a] {
-            a->map.with_graph = !a->picture.empty();
-            return export_map(*a);
-          }};
+  return {verb, [a] { return export_map(*a); }};
 }
 
 }  // namespace cairn::cli

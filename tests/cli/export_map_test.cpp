@@ -119,25 +119,6 @@ TEST_F(ExportMap, OfADaemonIsThatOfItsFolder) {
   EXPECT_THAT(read_file(file("seen.svg")), HasSubstr("<svg"));
 }
 
-TEST_F(ExportMap, IsDrawnInTheTerminal) {
-  const auto drawn = run_cairn({"map", "--data", folder_.file("data"), "--resolution", "0.5"});
-  ASSERT_EQ(drawn.exit_code, 0) << drawn.err;
-  EXPECT_THAT(drawn.out, HasSubstr("█"));
-  EXPECT_THAT(drawn.out, HasSubstr("···"));
-  EXPECT_THAT(drawn.out, HasSubstr(" m, 29 scans\n"));
-  const std::string domain = std::to_string(own_domain());
-  Process daemon({CAIRND_BINARY, "--data", folder_.file("data"), "--domain", domain});
-  Process watching({CAIRN_BINARY, "map", "--watch", "0.1", "--resolution", "0.5", "--domain",
-                    domain, "--timeout", "20"});
-  for (int i = 0; i < 300 && watching.out().size() < 2 * drawn.out.size(); ++i)
-    std::this_thread::sleep_for(std::chrono::milliseconds(100));
-  EXPECT_TRUE(watching.out().starts_with(drawn.out + drawn.out)) << watching.out();
-  EXPECT_EQ(watching.end(SIGINT).exit_code, 0);
-  daemon.send(SIGTERM);
-  EXPECT_EQ(daemon.wait().exit_code, 0);
-  EXPECT_EQ(run_cairn({"map", "--watch", "--data", folder_.file("data")}).exit_code, 2);
-}
-
 TEST_F(ExportMap, RefusesWhatMakesNoSenseAndWritesNothing) {
   const std::size_t before = folder_.file_count();
   EXPECT_EQ(run({file("a.txt")}).exit_code, 2);
