@@ -6,10 +6,10 @@ namespace {
 
 // In the order `cairn --help` lists them.
 const std::vector<AddVerb> kVerbs{
-    add_optimize, add_check,  add_convert, add_info,   add_plot,    add_simulate,
-    add_eval,     add_replay, add_status,  add_log,    add_show,    add_diff,
-    add_explain,  add_edge,   add_undo,    add_revoke, add_freeze,  add_thaw,
-    add_settle,   add_verify, add_export,  add_backup, add_restore, add_generate_docs,
+    add_optimize, add_check,  add_convert, add_info,          add_plot,   add_simulate, add_eval,
+    add_replay,   add_status, add_log,     add_show,          add_diff,   add_explain,  add_edge,
+    add_undo,     add_revoke, add_freeze,  add_thaw,          add_settle, add_verify,   add_map,
+    add_export,   add_backup, add_restore, add_generate_docs,
 };
 
 }  // namespace

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "clients/cli/export_map.hpp"
 
-#include <filesystem>
 #include <map>
 
 #include "cairn/core/exit_code.hpp"
@@ -9,9 +8,9 @@
 #include "cairn/history/export.hpp"
 #include "cairn/history/map_text.hpp"
 #include "cairn/io/graph_file.hpp"
-#include "cairn/io/map_file.hpp"
 #include "clients/cli/choices.hpp"
 #include "clients/cli/console.hpp"
+#include "clients/cli/map_files.hpp"
 #include "clients/cli/outputs.hpp"
 #include "clients/cli/target.hpp"
 
@@ -55,8 +54,6 @@ Result<ReceivedMap> ask_for_map(const MapArguments& a) {
                      std::move(content["graph"])};
 }
 
-GrayImage to_gray(const MapImage& map) { return {map.width, map.height, gray_levels(map)}; }
-
 Result<void> draw(const ReceivedMap& map, const std::string& path) {
   constexpr std::size_t kMostPixels = std::size_t{1} << 26;
   if (map.image.cells.size() > kMostPixels || map.image.width > GrayImage::kMaxSide ||
@@ -74,34 +71,8 @@ Result<void> draw(const ReceivedMap& map, const std::string& path) {
   return draw_graphs({&view, 1}, path, {.title = "map"});
 }
 
-struct MapPaths {
-  std::string image, yaml;
-};
-
-Result<MapPaths> paths_of(const std::string& out) {
-  const std::filesystem::path path(out);
-  const std::string extension = path.extension().string();
-  const auto with = [&](const char* ending) {
-    return std::filesystem::path(path).replace_extension(ending).string();
-  };
-  if (extension == ".pgm" || extension == ".png") return MapPaths{out, with(".yaml")};
-  if (extension == ".yaml") return MapPaths{with(".pgm"), out};
-  return Error{ErrorCode::kUsage, "a map must be named .pgm, .png or .yaml", out};
-}
-
-Result<NamedFiles> make_files(const MapPaths& paths, const MapImage& map) {
-  const Result<std::string> yaml =
-      write_map_yaml(map, std::filesystem::path(paths.image).filename().string());
-  if (!yaml) return yaml.error();
-  if (paths.image.ends_with(".pgm"))
-    return NamedFiles{{paths.image, write_pgm(map)}, {paths.yaml, *yaml}};
-  const Result<std::string> png = encode_png(to_gray(map));
-  if (!png) return png.error();
-  return NamedFiles{{paths.image, *png}, {paths.yaml, *yaml}};
-}
-
 int export_map(const MapArguments& a) {
-  const Result<MapPaths> paths = paths_of(a.out);
+  const Result<MapPaths> paths = map_paths(a.out);
   if (!paths) return fail(paths.error());
   if (!a.picture.empty()) {
     if (auto sound = check_picture(a.picture); !sound) return fail(sound.error());
@@ -110,7 +81,7 @@ int export_map(const MapArguments& a) {
     return fail(writable.error());
   const Result<ReceivedMap> map = ask_for_map(a);
   if (!map) return fail(map.error());
-  const Result<NamedFiles> files = make_files(*paths, map->image);
+  const Result<NamedFiles> files = map_files(*paths, map->image);
   if (!files) return fail(files.error());
   if (!a.picture.empty()) {
     if (auto drawn = draw(*map, a.picture); !drawn) return fail(drawn.error());

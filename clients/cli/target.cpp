@@ -45,7 +45,7 @@ void add_network(CLI::App& verb, dds::Network& network) {
       ->default_str("");
 }
 
-void add_target(CLI::App& verb, Target& target) {
+void add_daemon(CLI::App& verb, Target& target) {
   verb.add_option("--domain", target.domain, "ask the daemon that serves this DDS domain")
       ->check(in_range(0, 230))
       ->type_name("N");
@@ -53,14 +53,20 @@ void add_target(CLI::App& verb, Target& target) {
       ->check(CLI::PositiveNumber.description(""))
       ->type_name("S");
   add_network(verb, target.network);
+}
+
+void add_target(CLI::App& verb, Target& target) {
+  add_daemon(verb, target);
   verb.add_option("--data", target.folder, "read this data folder, which no daemon may serve")
       ->excludes("--domain")
       ->default_str("")
       ->type_name("DIR");
 }
 
-Result<Connection> connect(const Target& target) {
-  auto client = Client::connect({.domain = target.domain, .network = target.network});
+Result<Connection> connect(const Target& target, ClientOptions options) {
+  options.domain = target.domain;
+  options.network = target.network;
+  auto client = Client::connect(options);
   if (!client) return client.error();
   const auto first = std::make_shared<FirstStatus>();
   client->on_status([first](const Status& status) {

@@ -23,16 +23,18 @@ struct Target {
 
 /// Adds --domain, --data, --timeout, --profile and --interface.
 void add_target(CLI::App& verb, Target& target);
+/// The same without --data: for what only a daemon knows.
+void add_daemon(CLI::App& verb, Target& target);
 /// Adds --profile and --interface: how a daemon on another machine is reached.
 void add_network(CLI::App& verb, dds::Network& network);
 
 /// A client that watches and commands, and the daemon's first word. kUnreachable where none
-/// answers, with what to do.
+/// answers, with what to do. `options` but where the target says it.
 struct Connection {
   Client client;
   Status status;
 };
-Result<Connection> connect(const Target& target);
+Result<Connection> connect(const Target& target, ClientOptions options = {});
 
 /// The journal of a folder, for reading.
 Result<std::unique_ptr<Journal>> open_for_reading(const std::string& folder);

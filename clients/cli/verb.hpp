@@ -43,6 +43,7 @@ Run add_thaw(CLI::App& parent, CLI::App*& verb);
 Run add_settle(CLI::App& parent, CLI::App*& verb);
 Run add_backup(CLI::App& parent, CLI::App*& verb);
 Run add_restore(CLI::App& parent, CLI::App*& verb);
+Run add_map(CLI::App& parent, CLI::App*& verb);
 Run add_export(CLI::App& parent, CLI::App*& verb);
 
 }  // namespace cairn::cli

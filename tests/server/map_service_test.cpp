@@ -126,12 +126,12 @@ TEST_P(MapServiceTest, ClientsHaveWhatRenderingAnewGives) {
   EXPECT_TRUE(wait_until([&] { return shows(early, half); }));
   drive(robot, 12, 30);
   const Tiles all = rendered(*daemon);
-  ASSERT_NE(all, half);
+  ASSERT_TRUE(all != half);
   Client late = connect_follower(limits::kLeastTileBudget);
   EXPECT_TRUE(wait_until([&] { return shows(early, all); }));
   EXPECT_TRUE(wait_until([&] { return shows(late, all); }));
-  EXPECT_EQ(followed.all(), all);
-  EXPECT_EQ(observed.all(), all);
+  EXPECT_TRUE(wait_until([&] { return followed.all() == all; }));
+  EXPECT_TRUE(wait_until([&] { return observed.all() == all; }));
   EXPECT_EQ(early.maps()[0].resolution_m, kResolution);
 }
 
@@ -150,9 +150,9 @@ TEST_P(MapServiceTest, BringsOnlyWhatIsDifferentAfterARestartOfTheDaemon) {
   daemon = start_daemon();
   drive(robot, 60, 62);
   const Tiles after = rendered(*daemon);
-  ASSERT_NE(before, after);
+  ASSERT_TRUE(before != after);
   EXPECT_TRUE(wait_until([&] { return shows(client, after); }));
-  EXPECT_EQ(followed.all(), after);
+  EXPECT_TRUE(wait_until([&] { return followed.all() == after; }));
   // A laser is believed up to 30 m.
   for (const TileIndex& tile : followed.take_told()) EXPECT_GE(tile.x, 3) << tile.y;
 }
@@ -169,9 +169,127 @@ TEST_P(MapServiceTest, TakesAwayWhatNoScanSaysAnyMore) {
   EXPECT_TRUE(wait_until([&] { return client.maps().empty(); }));
 }
 
+TEST_P(MapServiceTest, RendersScansThatComeLate) {
+  const auto daemon = start_daemon();
+  Client robot = connect_robot();
+  std::vector<std::string> late;
+  for (std::uint64_t i = 0; i < 5; ++i)
+    ASSERT_TRUE(robot.submit(
+        test::mapped_step(test::kLeader, i, [&](const std::string& scan) { late.push_back(scan); }),
+        10s));
+  Client client = connect_follower();
+  ASSERT_TRUE(robot.command("settle", 20s));
+  for (const std::string& scan : late) {
+    ASSERT_TRUE(robot.send_payload(std::string(kRangeScanPayload), scan));
+    ASSERT_TRUE(wait_until([&] { return robot.unstored_payloads() == 0; }));
+    EXPECT_TRUE(wait_until([&] { return shows(client, rendered(*daemon)); }));
+  }
+}
+
+TEST_P(MapServiceTest, KeepsMapsApartThatNothingTies) {
+  const auto daemon = start_daemon();
+  Client robot = connect_robot();
+  drive(robot, 0, 10);
+  Client other = connect({.source = "other", .robot = "other", .spool = folder_.path() / "other"});
+  for (std::uint64_t i = 1; i < 8; ++i) {  // step 0 would tie it to the leader
+    Transaction step = test::mapped_step("other", i, [&](const std::string& scan) {
+      ASSERT_TRUE(other.send_payload(std::string(kRangeScanPayload), scan));
+    });
+    if (i == 1) step.factors.clear();
+    std::erase_if(step.factors, [](const NewFactor& f) { return f.kind == FactorKind::kLoop; });
+    const auto receipt = other.submit(step, 10s);
+    ASSERT_TRUE(receipt && !receipt->refusal) << receipt->reason;
+  }
+  Client client = connect_follower();
+  EXPECT_TRUE(wait_until([&] {
+    const auto maps = client.maps();
+    return maps.size() == 2 && maps[0].missing == 0 && maps[1].missing == 0 &&
+           maps[0].map == "other/3" && maps[1].map == "robot/3" && !maps[0].tiles.empty();
+  }));
+}
+
+TEST_P(MapServiceTest, TellsWhoAsksForTooLittle) {
+  const auto daemon = start_daemon();
+  Client robot = connect_robot();
+  drive(robot, 0, 4);
+  if (!GetParam()) return;  // only the wire refuses it
+  Client client = connect_follower(100);
+  std::mutex mutex;
+  std::string told;
+  client.on_trouble([&](const Error& error) {
+    const std::lock_guard lock(mutex);
+    told = error.to_string();
+  });
+  EXPECT_TRUE(wait_until([&] {
+    const std::lock_guard lock(mutex);
+    return !told.empty();
+  }));
+  const std::lock_guard lock(mutex);
+  EXPECT_THAT(told, testing::HasSubstr("budget is 100 bytes; expected 8192 to 1048576"));
+}
+
 INSTANTIATE_TEST_SUITE_P(Over, MapServiceTest, testing::Bool(), [](const auto& over) {
   return over.param ? std::string("Dds") : std::string("Memory");
 });
+
+class MapServiceOverMemory : public MapServiceTest {};
+
+// A link that loses two of three requests.
+class LosingLink final : public Link {
+ public:
+  explicit LosingLink(std::unique_ptr<Link> link) : link_(std::move(link)) {}
+  Result<void> start(LinkListener& listener) override { return link_->start(listener); }
+  void stop() noexcept override { link_->stop(); }
+  Result<void> send(const Transaction& transaction) override { return link_->send(transaction); }
+  Result<void> send(const ClientState& state) override { return link_->send(state); }
+  Result<void> send(const Payload& payload) override { return link_->send(payload); }
+  Result<void> send(const TileRequest& request) override {
+    return request.number % 3 == 0 ? link_->send(request) : Result<void>();
+  }
+  Result<void> send(const Command& command, int timeout_ms) override {
+    return link_->send(command, timeout_ms);
+  }
+
+ private:
+  std::unique_ptr<Link> link_;
+};
+
+TEST_P(MapServiceOverMemory, AsksAgainForWhatWasLost) {
+  const auto daemon = start_daemon();
+  Client robot = connect_robot();
+  drive(robot, 0, 20);
+  Client client = *Client::connect(
+      {.follow_maps = true, .maps = {.budget_bytes = 8u << 10, .pause = 1ms, .patience = 10ms}},
+      [this](Link::Identity who) {
+        return std::make_unique<LosingLink>(network_.make_link(std::move(who)));
+      });
+  EXPECT_TRUE(wait_until([&] { return shows(client, rendered(*daemon)); }));
+}
+
+TEST_P(MapServiceOverMemory, SaysWhenMemoryDoesNotSuffice) {
+  std::atomic<int> told{0};
+  const auto journal = *Journal::open((folder_.path() / "data").string());
+  const auto transport = network_.make_transport();
+  Service service(
+      *journal, *transport,
+      {.solve_after_pause = 20ms,
+       .maps = {.resolution_m = kResolution, .render_every = 1ms, .most_bytes = 10u << 15},
+       .on_event = [&](const Event& event) { told += event.kind == "map_full"; }});
+  ASSERT_TRUE(service.start());
+  Client robot = connect_robot();
+  drive(robot, 0, 20);
+  EXPECT_TRUE(wait_until([&] { return told > 0; }));
+  Client client = connect_follower();
+  // What has found room is served.
+  EXPECT_TRUE(wait_until([&] {
+    const auto maps = client.maps();
+    return maps.size() == 1 && maps[0].missing == 0 && !maps[0].tiles.empty();
+  }));
+  drive(robot, 20, 30);
+  EXPECT_EQ(told, 1);
+}
+
+INSTANTIATE_TEST_SUITE_P(Over, MapServiceOverMemory, testing::Values(false));
 
 }  // namespace
 }  // namespace cairn
