@@ -67,10 +67,13 @@ int run_daemon(const std::string& folder, const DaemonConfig& config,
   const auto ros_map = open_ros_map(config);  // outlives the service
   if (!ros_map) return fail(ros_map.error());
   ServiceOptions options = config.service;
-  if (*ros_map)
+  if (*ros_map) {
     options.maps.on_map = [&map = **ros_map](const MapChange& change) {
       map.take(change.map, change.changed, change.gone, change.resolution_m);
     };
+    log(Severity::kInfo, "ros",
+        "the map is " + config.ros.map + " of ROS domain " + std::to_string(config.ros.domain));
+  }
   options.on_event = [](const Event& event) {
     log(event.severity, event.kind, event.text, event.revision);
   };

@@ -65,6 +65,7 @@ DataWriter* writer(DomainParticipant* in, const char* name, ReliabilityQosPolicy
   qos.reliability().kind = reliability;
   qos.durability().kind = durability;
   qos.history().depth = 10;
+  qos.reliable_writer_qos().times.heartbeatPeriod = {0, 100'000'000};  // late readers: not 3 s
   qos.endpoint().history_memory_policy =
       eprosima::fastrtps::rtps::PREALLOCATED_WITH_REALLOC_MEMORY_MODE;
   static Publisher* publisher = in->create_publisher(PUBLISHER_QOS_DEFAULT);

@@ -17,6 +17,7 @@ TEST(Config, SetsWhatAFileNamesAndLeavesTheRest) {
                        "intake:\n  patience_s: 3\n"
                        "journal: {buffer_kb: 4096}\n"
                        "maps: {enabled: false, resolution_m: 0.2, most_mb: 64}\n"
+                       "ros: {map: /hall, frame: hall, domain: 42}\n"
                        "log: {format: json, from: warning}\n",
                        "f", config));
   EXPECT_EQ(config.domain, 7U);
@@ -29,6 +30,10 @@ TEST(Config, SetsWhatAFileNamesAndLeavesTheRest) {
   EXPECT_FALSE(config.service.maps.enabled);
   EXPECT_EQ(config.service.maps.resolution_m, 0.2);
   EXPECT_EQ(config.service.maps.most_bytes, 64u << 20);
+  EXPECT_EQ(config.ros.map, "/hall");
+  EXPECT_EQ(config.ros.updates, "/map_updates");
+  EXPECT_EQ(config.ros.frame, "hall");
+  EXPECT_EQ(config.ros.domain, 42u);
   EXPECT_EQ(config.log_format, LogFormat::kJson);
   EXPECT_EQ(config.log_from, Severity::kWarning);
   EXPECT_TRUE(read_config_text("", "f", config));
@@ -52,7 +57,7 @@ TEST(Config, RefusesWhatItDoesNotKnowAndSaysWhere) {
   const std::pair<std::string, std::string> cases[] = {
       {"networks: {}",
        "f:1:1: unknown section 'networks'; expected: network, solve, thin, jumps, journal, "
-       "intake, payloads, maps, log"},
+       "intake, payloads, maps, ros, log"},
       {"network:\n  domian: 3\n",
        "f:2:3: unknown key 'network.domian'; expected: domain, profile, interface"},
       {"network:\n  domain: 233\n",
@@ -66,7 +71,8 @@ TEST(Config, RefusesWhatItDoesNotKnowAndSaysWhere) {
       {"network: 3",
        "f:1:10: the section network has no keys; expected: domain, profile, interface"},
       {"- a",
-       "f:1:1: no sections; expected: network, solve, thin, jumps, journal, intake, payloads, maps, log"},
+       "f:1:1: no sections; expected: network, solve, thin, jumps, journal, intake, payloads, "
+       "maps, ros, log"},
       {"network: {", "f:1:1: not YAML: end of map flow not found"},
       {"solve: {after_pause_ms: 99999999999999999999}",
        "f:1:25: solve.after_pause_ms is '99999999999999999999'; expected a whole number from 1 to "
