@@ -2,8 +2,10 @@
 // Which odometry a scan gets, by stamps that may be anything.
 #include <gtest/gtest.h>
 
+#include "frontends/carmen/carmen_log.hpp"
 #include "frontends/host/epoch_watch.hpp"
 #include "frontends/ros/scan_queue.hpp"
+#include "tests/support/datasets.hpp"
 
 namespace cairn {
 namespace {
@@ -128,6 +130,19 @@ TEST(EpochWatch, LetsStampsRepeatAndGoBackByTwoSeconds) {
   EpochWatch watch;
   for (const std::int64_t ms : {5000, 5000, 3000, 5100, 3100, 3100, 900'000, 898'000})
     EXPECT_FALSE(watch.begins_anew(ms * kMs)) << ms;
+}
+
+TEST(EpochWatch, TakesARealLogWhoseStampsGoBackForOneEpoch) {
+  CAIRN_REQUIRE_DATASET(intel, "laser/intel.clf.bz2");
+  const auto log = read_carmen_log(intel);
+  ASSERT_TRUE(log);
+  EpochWatch watch;
+  int back = 0;
+  for (const LaserScan& scan : log->scans) {
+    back += watch.newest() && scan.stamp_ns < *watch.newest();
+    EXPECT_FALSE(watch.begins_anew(scan.stamp_ns));
+  }
+  EXPECT_EQ(back, 1612);
 }
 
 TEST(EpochWatch, BeginsAnewFurtherBack) {
