@@ -136,7 +136,7 @@ void MapService::render(MapSnapshot snapshot) {
   }
   const EstimateRevisions estimate{snapshot.graph.graph_revision, snapshot.graph.solved_revision};
   const ScanBook::Placed placed = scans_.place(snapshot.graph, snapshot.map_of, look_for_missing);
-  snapshot.graph = {};  // who writes to the head copies what is still read here
+  calls_.give_back(std::move(snapshot.graph));  // soon: of what is shared, the writer makes copies
   const bool complete =
       render_layers(placed, snapshot.settled ? Precision::kExact : Precision::kTolerant);
   if (stopping_) return;

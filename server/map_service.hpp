@@ -45,6 +45,9 @@ class MapService {
   /// Called from the service's thread; they must not wait for it.
   struct Calls {
     std::function<void()> ask_for_snapshot;  ///< show() is to come, when that suits
+    /// It was read. Who writes to the head lets it go: nobody else knows when what was read here
+    /// may be written to.
+    std::function<void(PoseGraph)> give_back;
     std::function<void(Severity, const std::string& text)> tell;
   };
   struct Facts {

@@ -164,6 +164,8 @@ void Service::handle(std::deque<Message> messages) {
       writers_.hear_of(heard->spool);
     } else if (std::holds_alternative<MapWanted>(message)) {
       map_is_wanted = true;
+    } else if (auto* read = std::get_if<MapRead>(&message)) {
+      read->graph = {};  // before anything is written
     } else if (auto* planned = std::get_if<Thinned>(&message)) {
       thinned = std::move(*planned);
     } else {

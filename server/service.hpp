@@ -122,6 +122,9 @@ class Service final : private TransportListener {
     Writers::Spool spool;  ///< was answered without a look at what it said
   };
   struct MapWanted {};  ///< a snapshot for the map service
+  struct MapRead {
+    PoseGraph graph;  ///< that was its snapshot
+  };
   struct Thinned {
     std::uint64_t last_input;  ///< of the map that it was planned for
     Thinning plan;
@@ -132,8 +135,8 @@ class Service final : private TransportListener {
     std::uint64_t last_input;  ///< there
     MapSolution solution;
   };
-  using Message = std::variant<Arrived, Seen, Lost, Brought, Heard, Command, MapWanted, Thinned,
-                               std::unique_ptr<Solved>>;
+  using Message = std::variant<Arrived, Seen, Lost, Brought, Heard, Command, MapWanted, MapRead,
+                               Thinned, std::unique_ptr<Solved>>;
 
   void on_transaction(Transaction transaction, const Sender& sender) override;
   void on_unreadable_transaction(UnreadableTransaction transaction, const Sender& sender) override;
@@ -251,6 +254,7 @@ class Service final : private TransportListener {
       transport_,
       options_.maps,
       {.ask_for_snapshot = [this] { post(MapWanted{}); },
+       .give_back = [this](PoseGraph graph) { post(MapRead{std::move(graph)}); },
        .tell = [this](Severity severity,
                       const std::string& text) { announce(severity, "map_full", text); }}};
   Refill refill_{options_.refill};
