@@ -61,7 +61,7 @@ void MapService::hear_of_payload() {
   wake_.notify_all();
 }
 
-void MapService::show(MapSnapshot snapshot) {
+void MapService::show(MapBasis snapshot) {
   const std::lock_guard lock(mutex_);
   snapshot_ = std::move(snapshot);
   asked_ = false;
@@ -103,7 +103,7 @@ bool MapService::may_ask() const { return news_ && !asked_ && !snapshot_; }
 void MapService::run() {
   (void)setpriority(PRIO_PROCESS, static_cast<id_t>(gettid()), kNiceness);
   while (true) {
-    std::optional<MapSnapshot> snapshot;
+    std::optional<MapBasis> snapshot;
     bool ask = false;
     {
       std::unique_lock lock(mutex_);
@@ -126,7 +126,7 @@ void MapService::run() {
   }
 }
 
-void MapService::render(MapSnapshot snapshot) {
+void MapService::render(MapBasis snapshot) {
   const auto began = Clock::now();
   bool look_for_missing = false;
   {

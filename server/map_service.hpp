@@ -21,7 +21,7 @@
 namespace cairn {
 
 /// What a map is rendered from: cheap to take, and it stays as it is.
-struct MapSnapshot {
+struct MapBasis {
   PoseGraph graph;
   std::map<OdometryFrame, std::string> map_of;  ///< frames with the same map are comparable
   bool settled = false;  ///< nothing is to be solved: the exact poses are worth the work
@@ -75,7 +75,7 @@ class MapService {
   /// From any thread; none of them waits.
   void hear_of_news();  ///< the estimate has changed
   void hear_of_payload();
-  void show(MapSnapshot snapshot);
+  void show(MapBasis snapshot);
   void take(TileRequest request);
   [[nodiscard]] Facts facts() const;
   [[nodiscard]] bool enabled() const { return options_.enabled; }
@@ -90,7 +90,7 @@ class MapService {
 
   void run();
   [[nodiscard]] bool may_ask() const;  // under mutex_
-  void render(MapSnapshot snapshot);
+  void render(MapBasis snapshot);
   bool render_layers(const ScanBook::Placed& placed, Precision precision);
   [[nodiscard]] std::size_t tiles_of_others(const std::string& map) const;
   void publish(const EstimateRevisions& estimate);
@@ -108,7 +108,7 @@ class MapService {
 
   mutable std::mutex mutex_;  // guards what follows
   std::condition_variable wake_;
-  std::optional<MapSnapshot> snapshot_;
+  std::optional<MapBasis> snapshot_;
   std::deque<TileRequest> requests_;  ///< one of each client at most
   bool news_ = false, asked_ = false;
   std::uint64_t payloads_ = 0, payloads_seen_ = 0;
