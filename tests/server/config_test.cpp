@@ -66,7 +66,8 @@ TEST(Config, RefusesWhatItDoesNotKnowAndSaysWhere) {
       {"network: 3",
        "f:1:10: the section network has no keys; expected: domain, profile, interface"},
       {"- a",
-       "f:1:1: no sections; expected: network, solve, thin, jumps, journal, intake, payloads, maps, log"},
+       "f:1:1: no sections; expected: network, solve, thin, jumps, journal, intake, payloads, "
+       "maps, log"},
       {"network: {", "f:1:1: not YAML: end of map flow not found"},
       {"solve: {after_pause_ms: 99999999999999999999}",
        "f:1:25: solve.after_pause_ms is '99999999999999999999'; expected a whole number from 1 to "
