@@ -40,7 +40,7 @@ Result<void> LaserFrontend::add_keyframe(const LaserScan& scan) {
     T_map_laser = told.mapped();
     optimized_ = newest + 1;
   }
-  map_.push_back({T_map_laser, &keyframes[newest].points});
+  map_.push_back({T_map_laser, &keyframes[newest].points, keyframes[newest].match_information});
   if (auto sent = submit_keyframe(scan, step); !sent) return sent;
   // A run before this one has sent the loops of its keyframes.
   const bool is_new = newest >= context_->keyframes_before();
@@ -67,8 +67,8 @@ Result<void> LaserFrontend::submit_keyframe(const LaserScan& scan, const Se2& st
   add_pose(transaction, node(newest), keyframes[newest].T_odom_laser, scan.stamp_ns);
   transaction.variables.back().odometry = transaction.variables.back().start;
   if (newest > 0) {
-    add_between(transaction, node(newest - 1), node(newest), step,
-                options_.independent_share * keyframes[newest].information, FactorKind::kOdometry);
+    add_between(transaction, node(newest - 1), node(newest), step, keyframes[newest].information,
+                FactorKind::kOdometry);
     std::vector<ContentHash>& payloads = transaction.factors.back().payloads;
     if (first_scan_) payloads.push_back(*std::exchange(first_scan_, std::nullopt));
     payloads.push_back(*hash);
@@ -79,8 +79,8 @@ Result<void> LaserFrontend::submit_keyframe(const LaserScan& scan, const Se2& st
 Result<void> LaserFrontend::close_loops(std::size_t keyframe) {
   Transaction transaction;
   for (const LaserLoop& loop : find_loops(map_, keyframe, options_.loops))
-    add_between(transaction, node(loop.from), node(loop.to), loop.T_from_to,
-                options_.independent_share * loop.information, FactorKind::kLoop);
+    add_between(transaction, node(loop.from), node(loop.to), loop.T_from_to, loop.information,
+                FactorKind::kLoop);
   if (transaction.factors.empty()) return {};
   return context_->submit_loops(std::move(transaction));
 }

@@ -14,8 +14,6 @@ namespace cairn {
 struct LaserOptions {
   LaserTrackerOptions tracker{};
   LaserLoopOptions loops{};
-  /// Information of a match over that of independent echoes: neighboring ones err together.
-  double independent_share = 0.1;
 };
 
 /// Scans to keyframes and loop closures.

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "frontends/matching/match_evidence.hpp"
+
 namespace cairn {
 namespace {
 
@@ -17,6 +19,20 @@ std::vector<SurfacePoint> submap_around(const std::vector<LoopKeyframe>& keyfram
          moved(T_at_map * keyframes[k].T_map_laser, *keyframes[k].points))
       all.push_back(point);
   return all;
+}
+
+// The candidate lies in its submap with an error of its own; in a free direction the match says
+// nothing.
+Eigen::Matrix3d loop_information(const PointToLineMatch& match, const Eigen::Matrix3d& candidate,
+                                 const LaserLoopOptions& options) {
+  const Eigen::Matrix3d J = match.T_map_scan.adjoint();
+  Eigen::Matrix3d information = match.information;
+  if (!candidate.isZero()) information = parallel_sum(information, J.transpose() * candidate * J);
+  const double m = std::pow(options.submap_sigma_m, -2);
+  const double rad = std::pow(options.submap_sigma_rad, -2);
+  information = parallel_sum(information, Eigen::Vector3d(m, m, rad).asDiagonal());
+  information.diagonal() += Eigen::Vector3d(1e-2, 1e-2, 1e-1);
+  return information;
 }
 
 }  // namespace
@@ -59,7 +75,8 @@ std::vector<LaserLoop> find_loops(const std::vector<LoopKeyframe>& keyframes, st
     const double inliers =
         lines > 0 ? static_cast<double>(match.inliers) / static_cast<double>(lines) : 0.0;
     if (inliers < options.least_inliers) continue;
-    loops.push_back({at, to, match.T_map_scan, match.information});
+    loops.push_back({at, to, match.T_map_scan,
+                     loop_information(match, keyframes[at].match_information, options)});
   }
   return loops;
 }

@@ -20,17 +20,21 @@ struct LaserLoopOptions {
   double least_inliers = 0.6;  ///< of the points that have a line
   LikelihoodGrid::Options grid{};
   PointToLineOptions matching{.first_reach_m = 0.25};
+  /// How far a submap is bent: of the poses in it, relative to the candidate.
+  double submap_sigma_m = 0.001, submap_sigma_rad = 0.0003;
 };
 
 struct LoopKeyframe {
   Se2 T_map_laser;
   const std::vector<SurfacePoint>* points;
+  /// Of the pose relative to the surfaces it was matched with.
+  Eigen::Matrix3d match_information = Eigen::Matrix3d::Zero();
 };
 
 struct LaserLoop {
   std::size_t from, to;  ///< keyframes
   Se2 T_from_to;
-  Eigen::Matrix3d information;
+  Eigen::Matrix3d information;  ///< of T_from_to (m, rad), positive definite
 };
 
 /// Loops from keyframe `to` to older ones.

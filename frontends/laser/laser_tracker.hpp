@@ -6,6 +6,7 @@
 #include <optional>
 #include <vector>
 
+#include "frontends/laser/odometry_noise.hpp"
 #include "frontends/matching/point_to_line.hpp"
 
 namespace cairn {
@@ -17,6 +18,7 @@ struct LaserTrackerOptions {
   ScanPointOptions points{};
   /// Of the prediction by odometry: per metre, per radian, and at least.
   double odometry_m = 0.1, odometry_rad = 0.1, least_m = 0.01, least_rad = 0.01;
+  OdometryNoise::Prior wheels{};  ///< of what holds directions that no surface does
 };
 
 struct TrackedScan {
@@ -29,7 +31,8 @@ struct TrackedScan {
 /// Follows one laser: each scan is matched with the last keyframes' points. One thread.
 class LaserTracker {
  public:
-  explicit LaserTracker(const LaserTrackerOptions& options = {}) : options_(options) {}
+  explicit LaserTracker(const LaserTrackerOptions& options = {})
+      : options_(options), odometry_(options.wheels) {}
 
   TrackedScan track(const LaserScan& scan);
 
@@ -38,18 +41,25 @@ class LaserTracker {
     Se2 T_odom_laser;
     std::vector<SurfacePoint> points;  ///< in the laser's frame
     Eigen::Matrix3d information;       ///< of the pose relative to the keyframe before
+    Eigen::Matrix3d
+        match_information;  ///< of the pose relative to the surfaces it was matched with
   };
   [[nodiscard]] const std::deque<Keyframe>& keyframes() const { return keyframes_; }
 
  private:
-  void add_keyframe(const LaserScan& scan, std::vector<SurfacePoint> points, const Se2& T,
-                    const Eigen::Matrix3d& information);
+  Se2 predict(const LaserScan& scan);
+  Eigen::Matrix3d step_information(const PointToLineMatch& match);
+  void add_keyframe(const LaserScan& scan, std::vector<SurfacePoint> points,
+                    const PointToLineMatch& match);
 
   LaserTrackerOptions options_;
   std::deque<Keyframe> keyframes_;  ///< references stay valid
   std::optional<PointMap> submap_;
   std::optional<Se2> wheel_;  ///< at the last scan
   Se2 pose_;
+  Se2 since_;  ///< the newest keyframe, by prediction alone
+  double way_since_ = 0.0;
+  OdometryNoise odometry_;
 };
 
 }  // namespace cairn

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "frontends/matching/match_evidence.hpp"
+
 namespace cairn {
 
 PointToLineMatch match_point_to_line(const PointMap& map, const std::vector<SurfacePoint>& scan,
@@ -13,34 +15,32 @@ PointToLineMatch match_point_to_line(const PointMap& map, const std::vector<Surf
   match.T_map_scan = start;
   double reach = options.first_reach_m;
   for (int step = 0; step < options.iterations; ++step) {
-    Eigen::Matrix3d H = Eigen::Matrix3d::Zero();
-    Eigen::Vector3d g = Eigen::Vector3d::Zero();
-    match.matched = match.inliers = 0;
     const Se2& T = match.T_map_scan;
-    const double width = std::max(2.0 * options.sigma_m, 0.33 * reach);
+    MatchEvidence evidence(std::max(2.0 * options.sigma_m, 0.33 * reach));
+    match.matched = match.inliers = 0;
     for (const SurfacePoint& point : scan) {
       if (point.normal.isZero()) continue;
       const Eigen::Vector2d p = T * point.position;
       const SurfacePoint* const on = map.nearest(p, T.rotation() * point.normal, reach);
       if (on == nullptr) continue;
-      const double r = on->normal.dot(p - on->position);
-      const Eigen::Vector2d n = T.rotation().inverse() * on->normal;  // in the scan's frame
-      const Eigen::Vector3d J(n.x(), n.y(),
-                              n.y() * point.position.x() - n.x() * point.position.y());
-      const double whitened = r / width;
-      const double weight = 1.0 / ((1.0 + whitened * whitened) * (1.0 + whitened * whitened));
-      H += weight * J * J.transpose();
-      g += weight * r * J;
+      const double r = on->normal.dot(p - on->position) - on->to_line_m;
+      evidence.add(point, *on, T, r);
       ++match.matched;
       if (std::abs(r) <= 3.0 * options.sigma_m) ++match.inliers;
     }
+    const MatchEvidence::Seen seen = evidence.seen();
+    match.information = evidence.information(seen);
+    match.free = seen.free;
+    match.free_direction = seen.free_direction;
     const double variance = options.sigma_m * options.sigma_m;
-    match.information = H / variance;
-    Eigen::Matrix3d A = match.information + options.start_information;
+    const Eigen::Matrix3d& P = seen.projection;
+    Eigen::Matrix3d A = P.transpose() * evidence.hessian() * P / variance;
+    A += options.start_information;
     A.diagonal().array() += 1e-9 * (1.0 + A.trace());
     const Eigen::Vector3d from_start = (start.inverse() * T).log();
-    const Eigen::Vector3d dx =
-        -A.ldlt().solve(g / variance + options.start_information * from_start);
+    const Eigen::Vector3d b =
+        P.transpose() * evidence.gradient() / variance + options.start_information * from_start;
+    const Eigen::Vector3d dx = -A.ldlt().solve(b);
     if (!dx.allFinite()) return match;
     match.T_map_scan = T.retract(dx);
     const bool small = dx.head<2>().norm() < 1e-5 && std::abs(dx.z()) < 1e-5;

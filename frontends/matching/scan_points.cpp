@@ -11,6 +11,7 @@ namespace {
 constexpr double kFlat =
     0.15;  // of a line's neighbors: their spread across over that along, at most
 constexpr std::size_t kLeastNeighbors = 3;
+constexpr double kRangeM = 0.01;  // noise of a range where neighbors are too few to tell
 
 }  // namespace
 
@@ -23,7 +24,8 @@ std::vector<SurfacePoint> surface_points(const LaserScan& scan, const ScanPointO
     const double range = scan.ranges_m[i];
     if (!(range >= options.nearest_m) || !(range < farthest)) continue;
     const double angle = scan.first_angle_rad + static_cast<double>(i) * scan.angle_step_rad;
-    points.push_back({range * Eigen::Vector2d(std::cos(angle), std::sin(angle)), {0.0, 0.0}});
+    points.push_back({.position = range * Eigen::Vector2d(std::cos(angle), std::sin(angle)),
+                      .normal = {0.0, 0.0}});
     beams.push_back(i);
   }
   for (std::size_t k = 0; k < points.size(); ++k) {
@@ -55,6 +57,9 @@ std::vector<SurfacePoint> surface_points(const LaserScan& scan, const ScanPointO
     Eigen::Vector2d normal = eigen.eigenvectors().col(0);
     if (normal.dot(center) > 0.0) normal = -normal;
     points[k].normal = normal;
+    points[k].to_line_m = normal.dot(mean - center);
+    points[k].normal_variance = (eigen.eigenvalues()[0] + kRangeM * kRangeM) /
+                                (static_cast<double>(last - first) * eigen.eigenvalues()[1]);
   }
   return points;
 }
@@ -63,7 +68,8 @@ std::vector<SurfacePoint> moved(const Se2& T, const std::vector<SurfacePoint>& p
   std::vector<SurfacePoint> result;
   result.reserve(points.size());
   for (const SurfacePoint& point : points)
-    result.push_back({T * point.position, T.rotation() * point.normal});
+    result.push_back(
+        {T * point.position, T.rotation() * point.normal, point.normal_variance, point.to_line_m});
   return result;
 }
 

@@ -13,6 +13,8 @@ struct SurfacePoint {
   Eigen::Vector2d position;
   Eigen::Vector2d
       normal;  ///< of unit length, towards the laser; zero where no line fits its neighbors
+  double normal_variance = 0.0;  ///< rad^2, of its direction as measured
+  double to_line_m = 0.0;        ///< from the echo to the line of its neighbors, along the normal
 };
 
 struct ScanPointOptions {

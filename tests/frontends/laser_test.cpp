@@ -3,102 +3,34 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <map>
 
+#include "cairn/evaluation/alignment.hpp"
 #include "cairn/evaluation/relations.hpp"
 #include "cairn/evaluation/statistics.hpp"
-#include "cairn/factors/factor_codec.hpp"
-#include "cairn/replay/map_head.hpp"
-#include "cairn/replay/settle.hpp"
+#include "cairn/evaluation/trajectory_error.hpp"
 #include "datasets/random.hpp"
 #include "frontends/carmen/carmen_log.hpp"
 #include "frontends/laser/laser_frontend.hpp"
 #include "frontends/simulated/simulated_drive.hpp"
 #include "tests/support/datasets.hpp"
+#include "tests/support/offline_frontend_host.hpp"
 
 namespace cairn {
 namespace {
 
-// A host without a daemon: what comes is in a map at once, which is settled now and then.
-class OfflineHost final : public FrontendContext {
- public:
-  [[nodiscard]] FrontendRoles roles() const override { return {}; }
-  [[nodiscard]] const std::string& robot() const override { return robot_; }
-  [[nodiscard]] std::uint64_t epoch() const override { return 1; }
-  [[nodiscard]] std::uint64_t keyframes_before() const override { return before; }
-  Result<void> submit_keyframe(Transaction transaction) override {
-    ++keyframes;
-    return take(std::move(transaction));
-  }
-  Result<void> submit_loops(Transaction transaction) override {
-    loops += transaction.factors.size();
-    since_solve_ += transaction.factors.size();
-    return take(std::move(transaction));
-  }
-  Result<ContentHash> send_payload(const std::string&, const std::string& bytes) override {
-    return content_hash(bytes);
-  }
-  void localize(const LocalizedFrame& frame) override { frames.push_back(frame); }
-
-  void run(Frontend& frontend, const std::vector<LaserScan>& scans) {
-    ASSERT_TRUE(frontend.start(*this));
-    for (const LaserScan& scan : scans) {
-      const auto done = frontend.process(scan);
-      ASSERT_TRUE(done) << done.error().to_string();
-      if (since_solve_ >= 10) tell(frontend);
-    }
-    tell(frontend);
-    ASSERT_TRUE(frontend.stop());
-  }
-  // Where the laser was at each frame.
-  [[nodiscard]] std::vector<Se2> trajectory() const {
-    std::map<std::uint64_t, Se2> poses;
-    for (NodeIndex i = 0; i < head_.graph().nodes.size(); ++i) {
-      const Estimate& e = head_.graph().estimates[i];
-      poses[head_.graph().nodes[i].id.index] = Se2(e[0], e[1], e[2]);
-    }
-    std::vector<Se2> all;
-    for (const LocalizedFrame& frame : frames)
-      all.push_back(poses.at(frame.keyframe.index) * frame.T_keyframe_body);
-    return all;
-  }
-
-  std::uint64_t before = 0;
-  std::size_t keyframes = 0, loops = 0;
-  std::vector<LocalizedFrame> frames;
-
- private:
-  Result<void> take(Transaction transaction) {
-    transaction.key = {"laser", 1, ++number_};
-    if (const auto refusal = head_.check(transaction))
-      return Error{ErrorCode::kNotUsable, refusal->reason};
-    head_.apply(transaction, {1, 0, number_});
-    return {};
-  }
-  void tell(Frontend& frontend) {
-    since_solve_ = 0;
-    const SettledEstimate settled = settle(head_.graph());
-    ASSERT_TRUE(settled.summary.usable());
-    head_.apply_estimates(changed_estimates(head_.graph(), settled), head_.graph().graph_revision,
-                          {1, 0, ++number_});
-    MapSnapshot snapshot;
-    PoseChunk chunk;
-    chunk.frame = {robot_, 1};
-    for (NodeIndex i = 0; i < head_.graph().nodes.size(); ++i)
-      chunk.poses.push_back({head_.graph().nodes[i].id.index, 0, head_.graph().estimates[i]});
-    snapshot.changed.push_back(std::move(chunk));
-    frontend.on_snapshot(snapshot);
-  }
-
-  std::string robot_ = "robot";
-  MapHead head_;
-  std::uint64_t number_ = 0;
-  std::size_t since_solve_ = 0;
-};
-
 const SimulatedDrive& drive() {
   static const SimulatedDrive one = simulate_drive();
   return one;
+}
+
+void run(test::OfflineFrontendHost& host, Frontend& frontend, const std::vector<LaserScan>& scans) {
+  const auto done = host.run(frontend, scans);
+  ASSERT_TRUE(done) << done.error().to_string();
+}
+
+Se3 in_space(const Se2& T) {
+  const double half = 0.5 * T.theta();
+  return {So3(Eigen::Quaterniond(std::cos(half), 0.0, 0.0, std::sin(half))), {T.x(), T.y(), 0.0}};
 }
 
 Se2 draw_offset(Random& random, double m, double rad) {
@@ -172,24 +104,53 @@ TEST(Correlative, FindsTheBestPoseOfTheWindow) {
   EXPECT_FALSE(match_correlative(nothing, points, Se2(), {}, 0.1));
 }
 
+// The middle of the northern corridor: (0, 0) is anywhere along it.
+TEST(LaserTracker, SaysInWhichDirectionNothingHoldsIt) {
+  LaserTracker tracker;
+  std::size_t in_corridor = 0, free = 0, in_room = 0, free_in_room = 0;
+  for (std::size_t i = 0; i < drive().scans.size(); ++i) {
+    const TrackedScan tracked = tracker.track(drive().scans[i]);
+    const Eigen::Vector2d& p = drive().truth[i].translation();
+    if (p.y() < 4.5 && i > 0) {
+      ++in_room;
+      free_in_room += tracked.match.free > 0 ? 1U : 0U;
+    }
+    if (p.y() < 20.0 || p.x() < 14.0 || p.x() > 20.0) continue;
+    ++in_corridor;
+    if (tracked.match.free != 1) continue;
+    ++free;
+    // The robot drives along the corridor: ahead, and not aside.
+    const Eigen::Vector3d direction = *tracked.match.free_direction;
+    EXPECT_GT(std::abs(direction.x()), 0.98) << direction.transpose();
+    // Sigma along at least ten times sigma across.
+    const Eigen::Matrix3d& information = tracked.match.information;
+    EXPECT_LE(100.0 * direction.dot(information * direction), information(1, 1));
+  }
+  EXPECT_GT(in_corridor, 50u);
+  EXPECT_GT(10 * free, 9 * in_corridor) << free << " of " << in_corridor;
+  EXPECT_EQ(free_in_room, 0u) << "of " << in_room;
+}
+
 TEST(LaserFrontend, MapsASimulatedBuilding) {
   LaserFrontend frontend;
-  OfflineHost host;
-  host.run(frontend, drive().scans);
+  test::OfflineFrontendHost host;
+  run(host, frontend, drive().scans);
   ASSERT_EQ(host.frames.size(), drive().scans.size());
   EXPECT_GT(host.loops, 0u);
   const std::vector<Se2> found = host.trajectory();
-  // The same origin for both: the first scan.
-  const Se2 T = drive().truth.front() * found.front().inverse();
-  double squares = 0.0;
-  for (std::size_t i = 0; i < found.size(); ++i)
-    squares += ((T * found[i]).translation() - drive().truth[i].translation()).squaredNorm();
-  EXPECT_LT(std::sqrt(squares / static_cast<double>(found.size())), 0.15);
+  std::vector<Se3> truth, estimate;
+  for (std::size_t i = 0; i < found.size(); ++i) {
+    truth.push_back(in_space(drive().truth[i]));
+    estimate.push_back(in_space(found[i]));
+  }
+  const Alignment T_plan_map = align(AlignmentKind::kSe3, truth, estimate, true);
+  for (Se3& T : estimate) T = T_plan_map * T;
+  EXPECT_LT(compute_statistics(absolute_errors(truth, estimate).translation_m).rmse, 0.05);
 
   // The same bits again; and what a run before has submitted is not sent again.
   LaserFrontend again;
-  OfflineHost second;
-  second.run(again, drive().scans);
+  test::OfflineFrontendHost second;
+  run(second, again, drive().scans);
   ASSERT_EQ(second.trajectory().size(), found.size());
   for (std::size_t i = 0; i < found.size(); ++i)
     EXPECT_EQ(second.trajectory()[i].to_vector(), found[i].to_vector());
@@ -197,7 +158,7 @@ TEST(LaserFrontend, MapsASimulatedBuilding) {
 
 TEST(LaserFrontend, SurvivesScansThatSayNothing) {
   LaserFrontend frontend;
-  OfflineHost host;
+  test::OfflineFrontendHost host;
   LaserScan nothing = drive().scans[0];
   for (float& range : nothing.ranges_m) range = NAN;
   LaserScan far = nothing;
@@ -221,16 +182,13 @@ TEST(LaserFrontend, MapsIntelAsWellAsTheBest) {
   const auto carmen = read_carmen_log(log->string());
   ASSERT_TRUE(carmen) << carmen.error().to_string();
   LaserFrontend frontend;
-  OfflineHost host;
-  host.run(frontend, carmen->scans);
+  test::OfflineFrontendHost host;
+  run(host, frontend, carmen->scans);
   const std::vector<Se2> found = host.trajectory();
   Trajectory estimate;
   for (std::size_t i = 0; i < found.size(); ++i) {
-    const Eigen::Vector2d& p = found[i].translation();
-    const double half = 0.5 * found[i].theta();
-    estimate.poses.push_back({static_cast<std::uint64_t>(host.frames[i].stamp_ns),
-                              Se3(So3(Eigen::Quaterniond(std::cos(half), 0.0, 0.0, std::sin(half))),
-                                  {p.x(), p.y(), 0.0})});
+    estimate.poses.push_back(
+        {static_cast<std::uint64_t>(host.frames[i].stamp_ns), in_space(found[i])});
   }
   const auto relations = read_relations(truth->string());
   ASSERT_TRUE(relations) << relations.error().to_string();

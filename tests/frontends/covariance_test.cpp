@@ -1,0 +1,113 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Whether the information of constraints says how wrong they are: against the truth of a simulated
+// drive, over 20 seeds.
+#include <gtest/gtest.h>
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <vector>
+
+#include "frontends/laser/laser_frontend.hpp"
+#include "frontends/simulated/simulated_drive.hpp"
+#include "tests/support/offline_frontend_host.hpp"
+
+namespace cairn {
+namespace {
+
+struct Constraint {
+  bool loop = false;
+  double nees = 0.0;  // e^T Omega e, 3 numbers: 3 on average where it is honest
+  Eigen::Matrix3d information = Eigen::Matrix3d::Zero();
+  Se2 T_plan_to;
+};
+
+Constraint judge(const NewFactor& factor, const std::map<std::uint64_t, Se2>& truth) {
+  const std::vector<double>& n = factor.numbers;
+  Constraint constraint;
+  constraint.loop = factor.kind == FactorKind::kLoop;
+  constraint.information << n[3], n[4], n[5], n[4], n[6], n[7], n[5], n[7], n[8];
+  constraint.T_plan_to = truth.at(factor.nodes[1].index);
+  const Se2 T_from_to = truth.at(factor.nodes[0].index).inverse() * constraint.T_plan_to;
+  const Eigen::Vector3d e = (Se2(n[0], n[1], n[2]).inverse() * T_from_to).to_vector();
+  constraint.nees = e.dot(constraint.information * e);
+  return constraint;
+}
+
+void add_constraints_of(std::uint64_t seed, std::vector<Constraint>& constraints) {
+  const SimulatedDrive drive = simulate_drive({.seed = seed});
+  LaserFrontend frontend;
+  test::OfflineFrontendHost host;
+  const auto done = host.run(frontend, drive.scans);
+  ASSERT_TRUE(done) << done.error().to_string();
+  std::map<std::int64_t, std::size_t> scan_of;
+  for (std::size_t i = 0; i < drive.scans.size(); ++i) scan_of[drive.scans[i].stamp_ns] = i;
+  std::map<std::uint64_t, Se2> truth;
+  for (const Transaction& transaction : host.taken)
+    for (const NewVariable& variable : transaction.variables)
+      truth[variable.node.index] = drive.truth[scan_of.at(variable.stamp_ns)];
+  for (const Transaction& transaction : host.taken)
+    for (const NewFactor& factor : transaction.factors) constraints.push_back(judge(factor, truth));
+}
+
+const std::vector<Constraint>& constraints_of_20_drives() {
+  static const std::vector<Constraint> all = [] {
+    std::vector<Constraint> constraints;
+    for (std::uint64_t seed = 1; seed <= 20; ++seed) add_constraints_of(seed, constraints);
+    return constraints;
+  }();
+  return all;
+}
+
+// The mean over N constraints is chi2 with 3 N degrees of freedom over N: 95 % of it within 1.96
+// sqrt(6 / N) of 3.
+TEST(Covariances, OfTheTrackerLieInTheirBand) {
+  double sum = 0.0, count = 0.0;
+  for (const Constraint& constraint : constraints_of_20_drives()) {
+    if (constraint.loop) continue;
+    sum += constraint.nees;
+    ++count;
+  }
+  ASSERT_GT(count, 8000.0);
+  EXPECT_NEAR(sum / count, 3.0, 1.96 * std::sqrt(6.0 / count));
+}
+
+// Loops share submaps, so their errors have heavy tails, and a few are false, which is the gate's
+// matter: half of them lie below the median of chi2, give or take, and few far above.
+TEST(Covariances, OfLoopsAreNearTheirBand) {
+  std::vector<double> nees;
+  for (const Constraint& constraint : constraints_of_20_drives())
+    if (constraint.loop) nees.push_back(constraint.nees);
+  ASSERT_GT(nees.size(), 1000u);
+  std::sort(nees.begin(), nees.end());
+  const auto share_below = [&](double value) {
+    return static_cast<double>(std::lower_bound(nees.begin(), nees.end(), value) - nees.begin()) /
+           static_cast<double>(nees.size());
+  };
+  RecordProperty("median", std::to_string(nees[nees.size() / 2]));
+  EXPECT_NEAR(share_below(2.366), 0.5, 0.25);
+  EXPECT_NEAR(share_below(7.815), 0.95, 0.04);
+  EXPECT_GT(share_below(50.0), 0.99);
+}
+
+// The middle third of the northern corridor shows two parallel walls and nothing else. Matches say
+// nothing along it (LaserTracker.SaysInWhichDirectionNothingHoldsIt); there odometry holds
+// constraints, to 5 mm.
+TEST(Covariances, AreLargerAlongACorridorThanAcross) {
+  std::vector<double> ratios;
+  for (const Constraint& constraint : constraints_of_20_drives()) {
+    const Eigen::Vector2d& p = constraint.T_plan_to.translation();
+    if (constraint.loop || p.y() < 20.0 || p.x() < 12.5 || p.x() > 21.5) continue;
+    const Eigen::Matrix2d covariance = constraint.information.inverse().topLeftCorner<2, 2>();
+    const Eigen::Matrix2d R = constraint.T_plan_to.rotation().matrix();
+    const Eigen::Matrix2d in_plan = R * covariance * R.transpose();
+    ratios.push_back(std::sqrt(in_plan(0, 0) / in_plan(1, 1)));
+  }
+  ASSERT_GT(ratios.size(), 400u);
+  std::sort(ratios.begin(), ratios.end());
+  EXPECT_GT(ratios[ratios.size() / 2], 4.0) << ratios.front() << " .. " << ratios.back();
+}
+
+}  // namespace
+}  // namespace cairn
