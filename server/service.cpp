@@ -129,6 +129,7 @@ void Service::run() {
       messages.swap(inbox_);
       inbox_bytes_ = 0;
     }
+    if (!solver_works_) solver_work_ = nullptr;
     watch_disk();
     if (journal_.failed()) fail({ErrorCode::kInternal, "the disk does not keep what is written"});
     if (!messages.empty()) handle(std::move(messages));

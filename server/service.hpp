@@ -285,6 +285,9 @@ class Service final : private TransportListener {
   std::atomic<bool> give_way_{false};      ///< news has come: a solve of everything can wait
   std::atomic<bool> solver_works_{false};  ///< written under mutex_
   bool solving_ = false;                   ///< of the deciding thread
+  /// What it does, with the snapshot for it. Taken away by the deciding thread: who drops a
+  /// snapshot elsewhere says nothing to the thread that changes the map.
+  std::function<std::optional<Message>()> solver_work_;
   std::thread solver_;
   std::thread decider_;
 };

@@ -97,9 +97,10 @@ void Service::start_solve(SolveKind kind) {
 void Service::on_solver_thread(std::function<std::optional<Message>()> work) {
   if (solver_.joinable()) solver_.join();
   solver_works_ = true;
-  solver_ = std::thread([this, work = std::move(work)] {
+  solver_work_ = std::move(work);
+  solver_ = std::thread([this] {
     (void)setpriority(PRIO_PROCESS, static_cast<id_t>(gettid()), kNiceness);
-    std::optional<Message> found = work();
+    std::optional<Message> found = solver_work_();
     {
       const std::lock_guard lock(mutex_);
       solver_works_ = false;
