@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "cairn/linear/single_thread_blas.hpp"
 
+#include <mutex>
+
 // libgomp's, on which CHOLMOD runs whichever compiler builds us (so not <omp.h>).
 extern "C" {
 int omp_get_max_active_levels(void);
