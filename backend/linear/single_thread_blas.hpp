@@ -6,7 +6,7 @@ namespace cairn {
 /// Holds BLAS and CHOLMOD's OpenMP regions to one thread while it lives, from inside the program:
 /// CHOLMOD asks for four threads in every supernode whatever the environment says, and loses half
 /// of the time to the scheduler. Applies to the calling thread (OpenMP) and to the process
-/// (OpenBLAS); the former settings come back at the end.
+/// (OpenBLAS), until the last of those who live at once ends; then the former settings come back.
 class SingleThreadBlas {
  public:
   SingleThreadBlas();
@@ -16,7 +16,6 @@ class SingleThreadBlas {
 
  private:
   int openmp_levels_;
-  int blas_threads_;
 };
 
 }  // namespace cairn
