@@ -40,9 +40,15 @@ double count_iteration_work(const Problem& problem, const UnknownLayout& layout)
 template <int d>
 void sum_contributions(const double* first, const double* last, double* block,
                        int leading_dimension, double* g, double* diagonal) {
-  Eigen::Matrix<double, d*(d + 1), 1> sum = Eigen::Matrix<double, d*(d + 1), 1>::Zero();
-  for (; first != last; first += d * (d + 1))
-    sum += Eigen::Map<const Eigen::Matrix<double, d*(d + 1), 1>>(first);
+  using Contribution = Eigen::Matrix<double, d*(d + 1), 1>;
+  Contribution sum;
+  if (first == last) {
+    sum.setZero();
+  } else {
+    sum = Eigen::Map<const Contribution>(first);
+    for (first += sum.size(); first != last; first += sum.size())
+      sum += Eigen::Map<const Contribution>(first);
+  }
   for (int column = 0; column < d; ++column) {
     for (int row = 0; row < d; ++row)
       block[column * leading_dimension + row] = sum[column * d + row];
