@@ -124,7 +124,10 @@ void Service::run() {
     std::deque<Message> messages;
     {
       std::unique_lock lock(mutex_);
-      wake_.wait_for(lock, until_next_duty(), [this] { return stopping_ || !inbox_.empty(); });
+      // Work of the solver's thread that leaves no message ends, too, and something may wait for it.
+      wake_.wait_for(lock, until_next_duty(), [this] {
+        return stopping_ || !inbox_.empty() || (solver_work_ && !solver_works_);
+      });
       if (stopping_) return;
       messages.swap(inbox_);
       inbox_bytes_ = 0;

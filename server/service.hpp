@@ -37,6 +37,7 @@ enum class ServicePoint {
   kBeforeCommit,
   kCommitted,  ///< and nobody told
   kSolving,    ///< before the first iteration and between two
+  kMeasuringTrust,
   kBeforeSnapshot,
   kSnapshotWritten,
 };

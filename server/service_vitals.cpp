@@ -66,6 +66,7 @@ void Service::measure_trust_beside() {
   trust_at_ = head_.graph().solved_revision.number;
   trust_began_ = Clock::now();
   on_solver_thread([this, map = head_.graph()]() -> std::optional<Message> {
+    pass(ServicePoint::kMeasuringTrust);
     std::vector<SourceTrust> trust = measure_trust(map);
     const std::lock_guard lock(mutex_);
     trust_ = std::move(trust);

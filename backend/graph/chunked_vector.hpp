@@ -51,6 +51,10 @@ class ChunkedVector {
       copy->reserve(kChunk);
       *copy = *shared;
       shared = std::move(copy);
+    } else {
+      // use_count() orders nothing. To give up another share does: what a thread read from a copy
+      // before it dropped it is read before what is written now.
+      std::shared_ptr<Chunk>(shared).reset();
     }
     return *shared;
   }

@@ -54,12 +54,18 @@ double chi2_without(const PoseGraph& map, const CanonicalOrder& order, const Gra
   return optimize(old, optimizer_options(options)).final_chi2;
 }
 
+bool is_out(const StoredFactor& factor) { return factor.state == FactorState::kQuarantined; }
+
+bool any_is_out(const PoseGraph& map) {
+  for (std::size_t f = 0; f < map.factors.size(); ++f)
+    if (is_out(map.factors[f])) return true;
+  return false;
+}
+
 // One that is out, and by its own error could well be in: not one at the limit, about which the
 // whole gate, whose noise scale is a little different, would be asked again and again.
 bool another_fits(const PoseGraph& map, const SettledEstimate& settled, double threshold) {
-  const CanonicalOrder out(
-      map, [&](std::uint32_t f) { return map.factors[f].state == FactorState::kQuarantined; });
-  if (out.factors.empty()) return false;
+  const CanonicalOrder out(map, [&](std::uint32_t f) { return is_out(map.factors[f]); });
   const Graph graph = canonical_graph(map, out);
   for (const FactorRef factor : graph.factors()) {
     double chi2 = 0.0;
@@ -91,15 +97,9 @@ bool supports_one(const Graph& graph, const std::vector<FactorState>& states, do
 
 template <class IsNew>
 bool evidence_grows(const PoseGraph& map, IsNew is_new, double threshold) {
-  const auto is_out = [&](std::uint32_t f) {
-    return map.factors[f].state == FactorState::kQuarantined;
-  };
-  bool any_out = false;
   const CanonicalOrder order(map, [&](std::uint32_t f) {
-    any_out |= is_out(f);
-    return takes_part(map.factors[f].state) || is_new(f) || is_out(f);
+    return takes_part(map.factors[f].state) || is_new(f) || is_out(map.factors[f]);
   });
-  if (!any_out) return false;
   std::vector<FactorState> states;
   for (const std::uint32_t f : order.factors) states.push_back(map.factors[f].state);
   const Graph graph = canonical_graph(map, order);
@@ -130,8 +130,9 @@ std::optional<SettledEstimate> try_newcomers(const PoseGraph& map, const SettleO
   const double before = chi2_without(map, settled.order, settled.graph, is_old, options);
   LoopTrial trial = try_loops(settled.graph, newcomers, before, optimizer_options(options));
   if (trial.summary.stop_reason != StopReason::kInterrupted &&
-      (!trial.passed || another_fits(map, settled, trial.threshold) ||
-       evidence_grows(map, is_new, trial.threshold)))
+      (!trial.passed ||
+       (any_is_out(map) && (another_fits(map, settled, trial.threshold) ||
+                                                     evidence_grows(map, is_new, trial.threshold)))))
     return std::nullopt;
   settled.summary = std::move(trial.summary);
   for (const std::size_t i : newcomers)

@@ -63,6 +63,8 @@ std::string_view name_of(ServicePoint point) {
       return "committed";
     case ServicePoint::kSolving:
       return "solving";
+    case ServicePoint::kMeasuringTrust:
+      return "measuring-trust";
     case ServicePoint::kBeforeSnapshot:
       return "before-snapshot";
     case ServicePoint::kSnapshotWritten:

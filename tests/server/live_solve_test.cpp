@@ -70,6 +70,26 @@ TEST_F(LiveSolve, KeepsNobodyWaiting) {
   EXPECT_EQ(kept[1].base, kept[0].base + 24) << "a verdict and a solve came in between";
 }
 
+TEST_F(LiveSolve, FollowsWhatElseTheSolversThreadDoes) {
+  std::atomic<bool> measuring{false}, go_on{false};
+  ServiceOptions options;
+  options.maps.enabled = false;  // nor does that wake the deciding thread
+  options.on_point = [&](ServicePoint point) {
+    if (point != ServicePoint::kMeasuringTrust) return;
+    measuring = true;
+    while (!go_on) std::this_thread::sleep_for(1ms);
+  };
+  start(options);
+  for (const Transaction& step : test::drive(8)) submit(step);
+  while (!measuring) std::this_thread::sleep_for(1ms);
+  submit(test::drive_step(test::kLeader, 8));
+  client_.reset();  // and nobody says anything more
+  std::this_thread::sleep_for(50ms);
+  go_on = true;
+  for (int i = 0; i < 10'000 && solves().size() < 2; ++i) std::this_thread::sleep_for(1ms);
+  EXPECT_EQ(solves().size(), 2u);
+}
+
 // A robot that believes to stand still while it drives.
 TEST_F(LiveSolve, TellsOfAJumpBeforeItHappens) {
   std::vector<std::string> order;
