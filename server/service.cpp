@@ -124,7 +124,8 @@ void Service::run() {
     std::deque<Message> messages;
     {
       std::unique_lock lock(mutex_);
-      // Work of the solver's thread that leaves no message ends, too, and something may wait for it.
+      // Work of the solver's thread that leaves no message ends, too, and something may wait for
+      // it.
       wake_.wait_for(lock, until_next_duty(), [this] {
         return stopping_ || !inbox_.empty() || (solver_work_ && !solver_works_);
       });

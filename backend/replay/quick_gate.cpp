@@ -130,9 +130,8 @@ std::optional<SettledEstimate> try_newcomers(const PoseGraph& map, const SettleO
   const double before = chi2_without(map, settled.order, settled.graph, is_old, options);
   LoopTrial trial = try_loops(settled.graph, newcomers, before, optimizer_options(options));
   if (trial.summary.stop_reason != StopReason::kInterrupted &&
-      (!trial.passed ||
-       (any_is_out(map) && (another_fits(map, settled, trial.threshold) ||
-                                                     evidence_grows(map, is_new, trial.threshold)))))
+      (!trial.passed || (any_is_out(map) && (another_fits(map, settled, trial.threshold) ||
+                                             evidence_grows(map, is_new, trial.threshold)))))
     return std::nullopt;
   settled.summary = std::move(trial.summary);
   for (const std::size_t i : newcomers)
