@@ -16,6 +16,7 @@ struct Verb {
 constexpr std::array kVerbs{Verb{"log", answer_log},
                             Verb{"show", answer_show},
                             Verb{"diff", answer_diff},
+                            Verb{"keyframes", answer_keyframes},
                             Verb{"edge show", answer_edge_show},
                             Verb{"edge worst", answer_edge_worst},
                             Verb{"explain edge", answer_explain_edge},

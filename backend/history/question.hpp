@@ -35,13 +35,18 @@ struct Asked {
   KeepGoing keep_going{};
 };
 
-/// Answers log, show, diff and export, for people or, with the option json, for programs. kUsage
+/// Answers log, show, diff, keyframes and export, for people or, with the option json, for programs. kUsage
 /// where the question makes no sense.
 Result<std::string> answer(const Question& question, const Asked& asked);
 
 Result<std::string> answer_log(const Question& question, const Asked& asked);
 Result<std::string> answer_show(const Question& question, const Asked& asked);
 Result<std::string> answer_diff(const Question& question, const Asked& asked);
+/// For programs alone: JSON with the poses from a place on ("from", in the order of their coming)
+/// that have payloads, these in base64, until "most_bytes" are full, and those of "again" before
+/// them. "next": where to go on; "waiting": places whose payloads have not come; "closed": up to
+/// which place the loops of a "source" go.
+Result<std::string> answer_keyframes(const Question& question, const Asked& asked);
 Result<std::string> answer_edge_show(const Question& question, const Asked& asked);
 Result<std::string> answer_edge_worst(const Question& question, const Asked& asked);
 Result<std::string> answer_explain_edge(const Question& question, const Asked& asked);

@@ -6,6 +6,7 @@
 #include <string>
 #include <string_view>
 #include <variant>
+#include <vector>
 
 #include "cairn/core/result.hpp"
 #include "cairn/graph/transaction.hpp"
@@ -19,9 +20,18 @@ namespace cairn {
 /// What a sensor has seen. Frames come in the order of their arrival.
 using SensorFrame = std::variant<LaserScan>;
 
-/// What a front-end is to do beside keyframes and odometry.
+/// What a front-end is to do.
 struct FrontendRoles {
-  bool loop_closer = true;  ///< find loops, too
+  bool loop_closer = true;  ///< find loops
+  bool tracker = true;      ///< keyframes and odometry, of frames; else others' keyframes come
+};
+
+/// A keyframe of any robot, as the daemon has it.
+struct RobotKeyframe {
+  NodeId node{};
+  std::int64_t stamp_ns = 0;
+  std::vector<std::string> payloads{};  ///< what was seen there; each whatever its robot sent
+  bool is_new = true;  ///< false: loops that end here were looked for before, by another run
 };
 
 /// What changed of the optimized poses since the snapshot before.
@@ -60,7 +70,7 @@ class FrontendContext {
 };
 
 /// Makes constraints of what a sensor sees. All calls come from one thread, in the order start,
-/// any of process and on_snapshot, stop.
+/// any of process (a tracker), on_keyframe (who is none) and on_snapshot, stop.
 class Frontend {
  public:
   virtual ~Frontend() = default;
@@ -68,13 +78,15 @@ class Frontend {
   virtual Result<void> start(FrontendContext& context) = 0;
   virtual Result<void> process(const SensorFrame& frame) = 0;
   virtual void on_snapshot(const MapSnapshot& snapshot) = 0;
+  /// Once for each keyframe of every robot; a snapshot has told its pose before.
+  virtual Result<void> on_keyframe(const RobotKeyframe& /*keyframe*/) { return {}; }
   /// Sends what is left.
   virtual Result<void> stop() = 0;
 };
 
 /// What a shared object exports as `cairn_frontend_plugin`.
 struct FrontendPlugin {
-  static constexpr std::uint32_t kVersion = 1;
+  static constexpr std::uint32_t kVersion = 2;
   std::uint32_t version = kVersion;
   const char* name = "";
   Frontend* (*make)() = nullptr;  ///< deleted by the host

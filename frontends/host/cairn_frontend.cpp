@@ -10,6 +10,7 @@
 #include "cairn/core/stopwatch.hpp"
 #include "frontends/host/frame_source.hpp"
 #include "frontends/host/host.hpp"
+#include "frontends/host/loop_closer_host.hpp"
 #include "frontends/host/plugins.hpp"
 
 namespace {
@@ -27,6 +28,7 @@ struct Arguments {
   std::string frontend, input, role = "both", spool, trajectory, truth;
   cairn::HostOptions host{};
   double timeout_s = 30.0;
+  double until_idle_s = 0.0;
   bool settle = false, quiet = false;
 };
 
@@ -60,13 +62,7 @@ cairn::Result<void> write_truth(const cairn::FrameSource& input, const Arguments
   return cairn::write_file(a.truth, truth);
 }
 
-int run(Arguments& a) {
-  for (const std::string& file : {a.trajectory, a.truth}) {
-    if (file.empty()) continue;
-    if (auto writable = cairn::check_writable(file); !writable)
-      return cairn::fail(writable.error());
-  }
-  if (auto known = cairn::make_frontend(a.frontend); !known) return cairn::fail(known.error());
+int run_on_input(Arguments& a) {
   auto input = cairn::open_input(a.input, a.host.domain);
   if (!input) return cairn::fail(input.error());
   if ((*input)->is_live() && (a.host.rate_hz > 0.0 || a.host.lockstep))
@@ -75,17 +71,12 @@ int run(Arguments& a) {
   if (!a.truth.empty()) {
     if (auto written = write_truth(**input, a); !written) return cairn::fail(written.error());
   }
-  a.host.roles = {a.role == "both"};
-  a.host.spool = a.spool;
   a.host.keep_frames = !a.trajectory.empty();
-  a.host.timeout = std::chrono::milliseconds(static_cast<std::int64_t>(1000.0 * a.timeout_s));
   auto host = cairn::FrontendHost::connect(a.host);
   if (!host) return cairn::fail(host.error());
-  std::signal(SIGINT, [](int) { interrupted = 1; });
-  std::signal(SIGTERM, [](int) { interrupted = 1; });
   const cairn::Stopwatch watch;
-  const auto done = (*host)->run([&] { return cairn::make_frontend(a.frontend); }, **input,
-                                 [] { return interrupted == 0; });
+  const auto done = (*host)->run([&] { return cairn::make_frontend(a.frontend, a.host.roles); },
+                                 **input, [] { return interrupted == 0; });
   if (const std::string report = (*input)->report(); !report.empty())
     std::fprintf(stderr, "%s\n", report.c_str());
   if (!done) return cairn::fail(done.error());
@@ -98,6 +89,58 @@ int run(Arguments& a) {
   if (a.trajectory.empty()) return 0;
   const auto written = (*host)->write_trajectory(a.trajectory);
   return written ? 0 : cairn::fail(written.error());
+}
+
+// Keyframes of all robots come from the daemon.
+int run_loop_closer(const Arguments& a) {
+  auto host = cairn::LoopCloserHost::connect(a.host);
+  if (!host) return cairn::fail(host.error());
+  const cairn::Stopwatch watch;
+  std::optional<std::chrono::milliseconds> until_idle;
+  if (a.until_idle_s > 0.0)
+    until_idle = std::chrono::milliseconds(static_cast<std::int64_t>(1000.0 * a.until_idle_s));
+  const auto done = (*host)->run([&] { return cairn::make_frontend(a.frontend, a.host.roles); },
+                                 [] { return interrupted == 0; }, until_idle);
+  if (!done) return cairn::fail(done.error());
+  const auto& counts = (*host)->counts();
+  if (!a.quiet)
+    std::printf("%llu keyframes of %zu robots, %llu loop closures in %.1f s\n",
+                static_cast<unsigned long long>(counts.keyframes), counts.robots.size(),
+                static_cast<unsigned long long>(counts.loops), watch.seconds());
+  if (!a.settle) return 0;
+  const auto settled = (*host)->settle();
+  if (!settled) return cairn::fail(settled.error());
+  if (!a.quiet) std::printf("%s\n", settled->c_str());
+  return 0;
+}
+
+cairn::Result<void> check_arguments(const Arguments& a) {
+  const bool only_closes = a.role == "loop-closer";
+  const auto usage = [](const char* why) { return cairn::Error{cairn::ErrorCode::kUsage, why}; };
+  if (only_closes && (!a.input.empty() || !a.trajectory.empty() || !a.truth.empty() ||
+                      a.host.rate_hz > 0.0 || a.host.lockstep))
+    return usage(
+        "--role loop-closer takes the keyframes of all robots from the daemon: no --input, "
+        "--rate, --lockstep, --trajectory or --truth");
+  if (!only_closes && a.input.empty()) return usage("--input is required");
+  if (!only_closes && a.until_idle_s > 0.0) return usage("--until-idle is for --role loop-closer");
+  for (const std::string& file : {a.trajectory, a.truth}) {
+    if (file.empty()) continue;
+    if (auto writable = cairn::check_writable(file); !writable) return writable;
+  }
+  return {};
+}
+
+int run(Arguments& a) {
+  if (auto checked = check_arguments(a); !checked) return cairn::fail(checked.error());
+  a.host.roles = {.loop_closer = a.role != "tracker", .tracker = a.role != "loop-closer"};
+  a.host.spool = a.spool;
+  a.host.timeout = std::chrono::milliseconds(static_cast<std::int64_t>(1000.0 * a.timeout_s));
+  if (auto known = cairn::make_frontend(a.frontend, a.host.roles); !known)
+    return cairn::fail(known.error());
+  std::signal(SIGINT, [](int) { interrupted = 1; });
+  std::signal(SIGTERM, [](int) { interrupted = 1; });
+  return a.host.roles.tracker ? run_on_input(a) : run_loop_closer(a);
 }
 
 }  // namespace
@@ -113,20 +156,25 @@ int main(int argc, char** argv) {
   app.add_option("--input", a.input,
                  "CARMEN log (text, .gz, .bz2), simulated:SEED, or ros:KEY=VALUE,...: the topics "
                  "of a ROS 2 "
-                 "robot")
-      ->required()
+                 "robot; for a loop closer: none")
       ->default_str("")
       ->type_name("LOG");
-  app.add_option("--robot", a.host.robot, "whose data it is")
+  app.add_option("--robot", a.host.robot, "whose data it is; a loop closer's own name")
       ->required()
       ->default_str("")
       ->type_name("NAME");
   app.add_option("--domain", a.host.domain, "DDS domain of the daemon")
       ->check(CLI::Range(0, 230).description(""))
       ->type_name("N");
-  app.add_option("--role", a.role, "keyframes and odometry alone, or loop closures, too")
-      ->check(CLI::IsMember({"tracker", "both"}).description(""))
-      ->type_name("{tracker|both}");
+  app.add_option("--role", a.role,
+                 "keyframes and odometry alone, or loop closures, too; loop-closer: among the "
+                 "keyframes of all robots that the daemon has")
+      ->check(CLI::IsMember({"tracker", "loop-closer", "both"}).description(""))
+      ->type_name("{tracker|loop-closer|both}");
+  app.add_option("--until-idle", a.until_idle_s,
+                 "a loop closer ends when no keyframe has come for so long; 0: at SIGINT")
+      ->check(CLI::NonNegativeNumber.description(""))
+      ->type_name("S");
   app.add_option("--rate", a.host.rate_hz, "frames per second; 0: as fast as it goes")
       ->check(CLI::NonNegativeNumber.description(""))
       ->type_name("HZ");

@@ -4,6 +4,7 @@
 #include <dlfcn.h>
 
 #include "frontends/laser/laser_frontend.hpp"
+#include "frontends/laser/laser_ground_closer.hpp"
 
 namespace cairn {
 namespace {
@@ -28,7 +29,10 @@ Result<std::unique_ptr<Frontend>> load_plugin(const std::string& path) {
 
 }  // namespace
 
-Result<std::unique_ptr<Frontend>> make_frontend(const std::string& name) {
+Result<std::unique_ptr<Frontend>> make_frontend(const std::string& name,
+                                                const FrontendRoles& roles) {
+  if (name == "laser" && !roles.tracker)
+    return std::unique_ptr<Frontend>(std::make_unique<LaserGroundCloser>());
   if (name == "laser") return std::unique_ptr<Frontend>(std::make_unique<LaserFrontend>());
   if (name.find('/') != std::string::npos || name.ends_with(".so")) return load_plugin(name);
   return Error{ErrorCode::kUsage, "unknown front-end '" + name.substr(0, 60) +

@@ -35,22 +35,18 @@ Eigen::Matrix3d loop_information(const PointToLineMatch& match, const Eigen::Mat
   return information;
 }
 
-}  // namespace
-
-std::vector<LaserLoop> find_loops(const std::vector<LoopKeyframe>& keyframes, std::size_t to,
-                                  const LaserLoopOptions& options) {
-  std::vector<LaserLoop> loops;
-  if (to < options.least_apart) return loops;
-  const std::size_t end = to - options.least_apart;
-  std::vector<std::pair<double, std::size_t>> near;
-  for (std::size_t k = 0; k <= end; ++k) {
+// The nearest first, and none in the submap of another.
+std::vector<std::size_t> near(const std::vector<LoopKeyframe>& keyframes, std::size_t candidates,
+                              const Se2& T_map_laser, const LaserLoopOptions& options) {
+  std::vector<std::pair<double, std::size_t>> ranked;
+  for (std::size_t k = 0; k < candidates; ++k) {
     const double distance =
-        (keyframes[k].T_map_laser.translation() - keyframes[to].T_map_laser.translation()).norm();
-    if (distance <= options.radius_m) near.emplace_back(distance, k);
+        (keyframes[k].T_map_laser.translation() - T_map_laser.translation()).norm();
+    if (distance <= options.radius_m) ranked.emplace_back(distance, k);
   }
-  std::sort(near.begin(), near.end());
+  std::sort(ranked.begin(), ranked.end());
   std::vector<std::size_t> chosen;
-  for (const auto& [distance, k] : near) {
+  for (const auto& [distance, k] : ranked) {
     if (chosen.size() >= options.most_candidates) break;
     if (std::any_of(chosen.begin(), chosen.end(), [&](std::size_t other) {
           return (other > k ? other - k : k - other) <= 2 * options.submap_half;
@@ -58,26 +54,50 @@ std::vector<LaserLoop> find_loops(const std::vector<LoopKeyframe>& keyframes, st
       continue;
     chosen.push_back(k);
   }
-  std::vector<SurfacePoint> scan;
-  for (const SurfacePoint& point : *keyframes[to].points) scan.push_back(point);
-  for (const std::size_t at : chosen) {
-    const std::vector<SurfacePoint> submap =
-        submap_around(keyframes, at, options.submap_half, end + options.least_apart / 2);
-    const LikelihoodGrid grid(submap, options.grid);
-    const Se2 start = keyframes[at].T_map_laser.inverse() * keyframes[to].T_map_laser;
-    const auto found = match_correlative(grid, scan, start, options.window, options.least_score);
-    if (!found) continue;
-    const PointMap map(submap, options.matching.first_reach_m);
-    const PointToLineMatch match =
-        match_point_to_line(map, scan, found->T_map_scan, options.matching);
-    const auto lines = std::count_if(scan.begin(), scan.end(),
-                                     [](const SurfacePoint& p) { return !p.normal.isZero(); });
-    const double inliers =
-        lines > 0 ? static_cast<double>(match.inliers) / static_cast<double>(lines) : 0.0;
-    if (inliers < options.least_inliers) continue;
-    loops.push_back({at, to, match.T_map_scan,
-                     loop_information(match, keyframes[at].match_information, options)});
+  return chosen;
+}
+
+}  // namespace
+
+std::optional<SubmapMatch> match_submap(const std::vector<LoopKeyframe>& keyframes, std::size_t at,
+                                        std::size_t end, const std::vector<SurfacePoint>& scan,
+                                        const Se2& T_at_scan, const LaserLoopOptions& options) {
+  const std::vector<SurfacePoint> submap = submap_around(keyframes, at, options.submap_half, end);
+  const LikelihoodGrid grid(submap, options.grid);
+  const auto found = match_correlative(grid, scan, T_at_scan, options.window, options.least_score);
+  if (!found) return std::nullopt;
+  const PointMap map(submap, options.matching.first_reach_m);
+  const PointToLineMatch match =
+      match_point_to_line(map, scan, found->T_map_scan, options.matching);
+  const auto lines = std::count_if(scan.begin(), scan.end(),
+                                   [](const SurfacePoint& p) { return !p.normal.isZero(); });
+  const double inliers =
+      lines > 0 ? static_cast<double>(match.inliers) / static_cast<double>(lines) : 0.0;
+  if (inliers < options.least_inliers) return std::nullopt;
+  return SubmapMatch{at, match.T_map_scan,
+                     loop_information(match, keyframes[at].match_information, options), inliers};
+}
+
+std::vector<SubmapMatch> match_near(const std::vector<LoopKeyframe>& keyframes,
+                                    std::size_t candidates, std::size_t end,
+                                    const LoopKeyframe& scan, const LaserLoopOptions& options) {
+  std::vector<SubmapMatch> matches;
+  for (const std::size_t at : near(keyframes, candidates, scan.T_map_laser, options)) {
+    const Se2 start = keyframes[at].T_map_laser.inverse() * scan.T_map_laser;
+    if (auto match = match_submap(keyframes, at, end, *scan.points, start, options))
+      matches.push_back(std::move(*match));
   }
+  return matches;
+}
+
+std::vector<LaserLoop> find_loops(const std::vector<LoopKeyframe>& keyframes, std::size_t to,
+                                  const LaserLoopOptions& options) {
+  std::vector<LaserLoop> loops;
+  if (to < options.least_apart) return loops;
+  const std::size_t last = to - options.least_apart;
+  for (const SubmapMatch& match :
+       match_near(keyframes, last + 1, last + options.least_apart / 2, keyframes[to], options))
+    loops.push_back({match.at, to, match.T_at_scan, match.information});
   return loops;
 }
 

@@ -37,6 +37,26 @@ struct LaserLoop {
   Eigen::Matrix3d information;  ///< of T_from_to (m, rad), positive definite
 };
 
+/// Where a scan lies among the keyframes of a trajectory.
+struct SubmapMatch {
+  std::size_t at;  ///< keyframe
+  Se2 T_at_scan;
+  Eigen::Matrix3d information;  ///< of T_at_scan (m, rad), positive definite
+  double inliers = 0.0;         ///< share of the points that have a line
+};
+
+/// Against the keyframes around `at`, of those before `end`, within a window around a start.
+/// Nothing below the options' scores.
+std::optional<SubmapMatch> match_submap(const std::vector<LoopKeyframe>& keyframes, std::size_t at,
+                                        std::size_t end, const std::vector<SurfacePoint>& scan,
+                                        const Se2& T_at_scan, const LaserLoopOptions& options);
+
+/// Against those of the first `candidates` keyframes whose poses are near the scan's; submaps are
+/// of keyframes before `end`.
+std::vector<SubmapMatch> match_near(const std::vector<LoopKeyframe>& keyframes,
+                                    std::size_t candidates, std::size_t end,
+                                    const LoopKeyframe& scan, const LaserLoopOptions& options);
+
 /// Loops from keyframe `to` to older ones.
 std::vector<LaserLoop> find_loops(const std::vector<LoopKeyframe>& keyframes, std::size_t to,
                                   const LaserLoopOptions& options = {});
