@@ -14,8 +14,9 @@
 namespace cairn::bench {
 namespace {
 
-// What both threads write goes to and fro: this takes four times as long where a virtual machine has
-// its two cores far from each other, and decides what a second thread is worth on a small graph.
+// What both threads write goes to and fro: this takes four times as long where a virtual machine
+// has its two cores far from each other, and decides what a second thread is worth on a small
+// graph.
 double line_round_trip_ns() {
   constexpr std::uint32_t kTrips = 100'000;
   std::atomic<std::uint32_t> line{0};
@@ -58,7 +59,8 @@ void compare(const BenchmarkGraph& which, const Graph& start, int rounds, const 
   const std::vector<double> seconds = interleaved_medians(rounds, contenders);
   table.row({std::string(which.name), time_text(seconds[0]), time_text(seconds[1]),
              ratio_text(seconds[0] / seconds[1]), time_text(seconds[2]), time_text(seconds[3]),
-             ratio_text(seconds[2] / seconds[3]), std::to_string(std::lround(line_round_trip_ns())) + " ns"});
+             ratio_text(seconds[2] / seconds[3]),
+             std::to_string(std::lround(line_round_trip_ns())) + " ns"});
 }
 
 }  // namespace

@@ -122,7 +122,8 @@ class Client {
   [[nodiscard]] std::uint64_t next_sequence() const;
   /// Of the spool: the same until it is deleted.
   [[nodiscard]] std::uint64_t epoch() const;
-  /// Taken and not yet decided.
+  /// Taken and not known to be decided: of a run before this one, until a daemon was heard, all
+  /// that the spool keeps.
   [[nodiscard]] std::uint64_t undecided() const;
 
  private:

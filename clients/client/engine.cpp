@@ -118,7 +118,8 @@ std::uint64_t Client::Engine::unstored_payloads() const {
 
 std::uint64_t Client::Engine::undecided() const {
   const std::lock_guard lock(mutex_);
-  return next_sequence_ - 1 - outgoing_.decided();
+  // Before a daemon has told how far it is, what the spool keeps may be undecided.
+  return next_sequence_ - 1 - (daemon_ ? outgoing_.decided() : oldest_kept_ - 1);
 }
 
 bool Client::Engine::has_work(Outgoing::Clock::time_point now) const {

@@ -79,7 +79,28 @@ Result<void> FrontendHost::run(const MakeFrontend& make, FrameSource& source,
     }
   }
   if (auto stopped = frontend_->stop(); !stopped) return stopped;
-  return wait_for(0);
+  if (auto decided = wait_for(0); !decided) return decided;
+  return live_ ? Result<void>() : wait_for_scans();
+}
+
+// Of a log, they are not left in the spool: nobody may run the same log again. Time counts from the
+// last one that was stored.
+Result<void> FrontendHost::wait_for_scans() const {
+  constexpr std::chrono::milliseconds kPause(20);
+  std::uint64_t left = tracker_->unstored_payloads();
+  auto patience = options_.timeout;
+  while (left > 0) {
+    if (patience <= kPause)
+      return Error{ErrorCode::kUnreachable,
+                   std::to_string(left) +
+                       " scans are not stored by the daemon yet; they are in the "
+                       "spool: run the same again to send them"};
+    std::this_thread::sleep_for(kPause);
+    const std::uint64_t now = tracker_->unstored_payloads();
+    patience = now < left ? options_.timeout : patience - kPause;
+    left = now;
+  }
+  return {};
 }
 
 void FrontendHost::wait_for_turn(std::chrono::steady_clock::time_point begin) const {

@@ -72,6 +72,7 @@ class FrontendHost final : private FrontendContext {
 
   Result<void> keep(Result<Submission> taken);
   Result<void> wait_for(std::size_t at_most);
+  [[nodiscard]] Result<void> wait_for_scans() const;
   Result<void> take_decided();
   Result<void> take_receipt(const Receipt& receipt);
   Result<void> begin_epoch(const MakeFrontend& make);

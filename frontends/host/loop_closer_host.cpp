@@ -80,10 +80,11 @@ Result<void> LoopCloserHost::run(const MakeFrontend& make, const std::function<b
     const auto now = std::chrono::steady_clock::now();
     if (*heard || *handed) last_news = now;
     if (*heard || *handed) continue;
-    const bool idle = everything_ && queue_.empty() && waiting_.empty();
-    if (until_idle && idle && now - last_news >= *until_idle) break;
+    if (until_idle && everything_ && now - last_news >= *until_idle) break;
     std::this_thread::sleep_for(kPause);
   }
+  if (const std::size_t blind = waiting_.size() + queue_.size(); blind > 0)
+    std::fprintf(stderr, "warning: of %zu keyframes no scan or no pose has come\n", blind);
   if (auto stopped = frontend_->stop(); !stopped) return stopped;
   return wait_for(0);
 }

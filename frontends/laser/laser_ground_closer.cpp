@@ -2,6 +2,8 @@
 #include "frontends/laser/laser_ground_closer.hpp"
 
 #include <algorithm>
+#include <cmath>
+#include <numbers>
 #include <utility>
 
 #include "cairn/factors/build_transaction.hpp"
@@ -25,6 +27,23 @@ std::vector<SurfacePoint> points_of(const RobotKeyframe& keyframe) {
       all.push_back(point);
   }
   return all;
+}
+
+constexpr std::size_t kBearings = 720;
+
+std::size_t bearing_of(const Eigen::Vector2d& p) {
+  const double turn = std::atan2(p.y(), p.x()) / (2.0 * std::numbers::pi) + 0.5;
+  return static_cast<std::size_t>(turn * kBearings) % kBearings;
+}
+
+std::vector<float> ranges_of(const std::vector<SurfacePoint>& points) {
+  std::vector<float> ranges(kBearings, 0.0f);
+  for (const SurfacePoint& point : points) {
+    float& range = ranges[bearing_of(point.position)];
+    const auto here = static_cast<float>(point.position.norm());
+    if (range == 0.0f || here < range) range = here;
+  }
+  return ranges;
 }
 
 }  // namespace
@@ -54,7 +73,9 @@ Result<void> LaserGroundCloser::on_keyframe(const RobotKeyframe& keyframe) {
   std::vector<SurfacePoint> points = points_of(keyframe);
   if (pose == track.poses.end() || points.empty()) return {};
   const PlaceDescriptor look = look_of(track, pose->second, points);
-  track.keyframes.insert_or_assign(keyframe.node.index, Stored{std::move(points), look});
+  std::vector<float> ranges = ranges_of(points);
+  track.keyframes.insert_or_assign(keyframe.node.index,
+                                   Stored{std::move(points), look, std::move(ranges)});
   return keyframe.is_new ? close_loops(keyframe.node.frame, keyframe.node.index) : Result<void>();
 }
 
@@ -79,8 +100,9 @@ LaserGroundCloser::View LaserGroundCloser::view(const Track& track) {
   return view;
 }
 
-std::vector<SubmapMatch> LaserGroundCloser::match_anywhere(const Track& track, const View& view,
-                                                           const Stored& newest) const {
+// The place that fits best of those that look alike.
+std::optional<SubmapMatch> LaserGroundCloser::match_anywhere(const Track& track, const View& view,
+                                                             const Stored& newest) const {
   std::vector<std::pair<float, std::size_t>> alike;
   for (std::size_t k = 0; k < view.indices.size(); ++k) {
     const float like = similarity(newest.look, track.keyframes.at(view.indices[k]).look);
@@ -89,7 +111,7 @@ std::vector<SubmapMatch> LaserGroundCloser::match_anywhere(const Track& track, c
   std::sort(alike.begin(), alike.end());
   const LaserLoopOptions& how = options_.anywhere;
   std::vector<std::size_t> tried;
-  std::vector<SubmapMatch> matches;
+  std::optional<SubmapMatch> best;
   for (const auto& [unlike, k] : alike) {
     if (tried.size() >= how.most_candidates) break;
     if (std::any_of(tried.begin(), tried.end(), [&, at = k](std::size_t other) {
@@ -97,11 +119,96 @@ std::vector<SubmapMatch> LaserGroundCloser::match_anywhere(const Track& track, c
         }))
       continue;
     tried.push_back(k);
-    if (auto match =
-            match_submap(view.keyframes, k, view.keyframes.size(), newest.points, Se2(), how))
-      matches.push_back(std::move(*match));
+    auto match = match_submap(view.keyframes, k, view.keyframes.size(), newest.points, Se2(), how);
+    if (match && (!best || match->inliers > best->inliers)) best = std::move(match);
   }
-  return matches;
+  return best;
+}
+
+Se2 LaserGroundCloser::pose_of(const NodeId& node) const {
+  return tracks_.at(node.frame).poses.at(node.index);
+}
+
+// The map of the greater frame in that of the smaller one.
+Se2 LaserGroundCloser::first_map_second_map(const Sighting& s) const {
+  const Se2 T = pose_of(s.from) * s.T_from_to * pose_of(s.to).inverse();
+  return s.from.frame < s.to.frame ? T : T.inverse();
+}
+
+// Whether two sightings put the maps of their frames to each other in the same way, seen from
+// where `b` was: maps drift, so what was long ago says less.
+bool LaserGroundCloser::agree(const Sighting& a, const Sighting& b) const {
+  const Se2 there = pose_of(b.from.frame < b.to.frame ? b.to : b.from);
+  const Se2 apart = (first_map_second_map(a) * there).inverse() * (first_map_second_map(b) * there);
+  return apart.translation().norm() <= options_.agree_m &&
+         std::abs(apart.theta()) <= options_.agree_rad;
+}
+
+// Whether walls of one robot stand where the other looked through: two places that look alike are
+// not the same when what is around them contradicts.
+bool LaserGroundCloser::is_seen_through(const Story& story) const {
+  constexpr double kNear_m = 8.0, kSame_m = 0.3, kBehind_m = 0.6, kHeadOn = 0.4;
+  constexpr std::size_t kMostKeyframes = 60, kEveryPoint = 7;
+  const Sighting& newest = story.sightings.back();
+  const auto [first_frame, second_frame] = std::minmax(newest.from.frame, newest.to.frame);
+  const Track &first = tracks_.at(first_frame), &second = tracks_.at(second_frame);
+  const Se2 T_first_second = first_map_second_map(newest);
+  std::size_t same = 0, through = 0, place = 0;
+  const std::size_t every = second.keyframes.size() / kMostKeyframes + 1;
+  for (const auto& [index, stored] : second.keyframes) {
+    if (place++ % every != 0) continue;
+    const Se2 T_first_body = T_first_second * second.poses.at(index);
+    for (const auto& [other_index, other] : first.keyframes) {
+      const Se2 T_other_body = first.poses.at(other_index).inverse() * T_first_body;
+      if (T_other_body.translation().norm() > kNear_m) continue;
+      for (std::size_t i = place % kEveryPoint; i < stored.points.size(); i += kEveryPoint) {
+        const Eigen::Vector2d p = T_other_body * stored.points[i].position;
+        const double seen = other.ranges_m[bearing_of(p)], range = p.norm();
+        const Eigen::Vector2d normal = T_other_body.rotation() * stored.points[i].normal;
+        if (seen == 0.0 || range > kNear_m || std::abs(normal.dot(p)) < kHeadOn * range) continue;
+        same += std::abs(seen - range) <= kSame_m;
+        through += seen - range > kBehind_m;
+      }
+    }
+  }
+  return static_cast<double>(through) >
+         options_.most_seen_through * static_cast<double>(same + through);
+}
+
+// Long enough, possible, and no other possible one is about as long.
+bool LaserGroundCloser::convinces(const Story& story, const std::vector<Story>& all) const {
+  if (story.told) return true;
+  if (story.sightings.size() < options_.least_agreeing) return false;
+  const auto way = [&](NodeId Sighting::*end) {
+    const Eigen::Vector2d first = pose_of(story.sightings.front().*end).translation();
+    double farthest = 0.0;
+    for (const Sighting& s : story.sightings)
+      farthest = std::max(farthest, (pose_of(s.*end).translation() - first).norm());
+    return farthest;
+  };
+  if (std::min(way(&Sighting::from), way(&Sighting::to)) < options_.least_way_m ||
+      is_seen_through(story))
+    return false;
+  const double doubt = options_.most_doubt * static_cast<double>(story.sightings.size());
+  return std::none_of(all.begin(), all.end(), [&](const Story& other) {
+    return &other != &story && static_cast<double>(other.sightings.size()) > doubt &&
+           !is_seen_through(other);
+  });
+}
+
+void LaserGroundCloser::hear(const Sighting& sighting, Transaction& transaction) {
+  std::vector<Story>& all = stories_[std::minmax(sighting.from.frame, sighting.to.frame)];
+  auto story = std::find_if(all.begin(), all.end(), [&](const Story& known) {
+    return agree(known.sightings.back(), sighting);
+  });
+  if (story == all.end()) story = all.insert(all.end(), Story{});
+  story->sightings.push_back(sighting);
+  if (!convinces(*story, all)) return;
+  for (const Sighting& s : story->sightings) {
+    if (story->told && &s != &story->sightings.back()) continue;
+    add_between(transaction, s.from, s.to, s.T_from_to, s.information, FactorKind::kLoop);
+  }
+  story->told = true;
 }
 
 Result<void> LaserGroundCloser::close_loops(const OdometryFrame& frame, std::uint64_t index) {
@@ -111,17 +218,24 @@ Result<void> LaserGroundCloser::close_loops(const OdometryFrame& frame, std::uin
   Transaction transaction;
   for (const auto& [other_frame, other] : tracks_) {
     const View seen = view(other);
+    if (other_frame != frame && other.map != own.map) {
+      if (const auto match = match_anywhere(other, seen, newest))
+        hear({{other_frame, seen.indices[match->at]},
+              {frame, index},
+              match->T_at_scan,
+              match->information},
+             transaction);
+      continue;
+    }
     std::vector<SubmapMatch> matches;
     if (other_frame == frame) {
       const auto at = static_cast<std::size_t>(
           std::lower_bound(seen.indices.begin(), seen.indices.end(), index) - seen.indices.begin());
       for (const LaserLoop& loop : find_loops(seen.keyframes, at, options_.loops))
         matches.push_back({loop.from, loop.T_from_to, loop.information});
-    } else if (other.map == own.map) {
+    } else {
       matches = match_near(seen.keyframes, seen.keyframes.size(), seen.keyframes.size(), scan,
                            options_.loops);
-    } else {
-      matches = match_anywhere(other, seen, newest);
     }
     for (const SubmapMatch& match : matches)
       add_between(transaction, {other_frame, seen.indices[match.at]}, {frame, index},

@@ -3,7 +3,9 @@
 
 #include <cstdint>
 #include <map>
+#include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "frontends/api/frontend.hpp"
@@ -18,12 +20,20 @@ struct LaserGroundOptions {
   LaserLoopOptions anywhere{
       .most_candidates = 3, .window = {2.5, 2.5, 3.15}, .least_score = 0.55, .least_inliers = 0.7};
   float least_similarity = 0.8f;
+  /// What ties two maps: so many matches that say the same, over so long a way of either robot, and
+  /// no other story that has more than this share of them. Corners of corridors look alike.
+  std::size_t least_agreeing = 8;
+  double least_way_m = 12.0;
+  double most_doubt = 0.34;
+  /// Of what one robot saw as surfaces, where the other says something: seen through by it.
+  double most_seen_through = 0.12;
+  double agree_m = 0.5, agree_rad = 0.1;  ///< from one match to the next
   std::size_t described = 10;  ///< keyframes before one that make the look of its place, and it
 };
 
 /// Loops among the laser keyframes of all robots, as a daemon tells of them: on the ground, where
-/// robots see each other's ways. Loops between maps that nothing ties come from looks alone; it is
-/// the daemon's gate that ties maps, by several that agree.
+/// robots see each other's ways. Loops between maps that nothing ties come from looks alone, and
+/// places look alike: they are kept until enough of them tell one story.
 class LaserGroundCloser final : public Frontend {
  public:
   explicit LaserGroundCloser(const LaserGroundOptions& options = {}) : options_(options) {}
@@ -39,11 +49,23 @@ class LaserGroundCloser final : public Frontend {
   struct Stored {
     std::vector<SurfacePoint> points;  ///< in the body's frame
     PlaceDescriptor look;
+    std::vector<float> ranges_m;  ///< of the nearest point, by bearing; 0: none
   };
   struct Track {
     std::string map;
     std::map<std::uint64_t, Se2> poses;         ///< T_map_body, by index
     std::map<std::uint64_t, Stored> keyframes;  ///< by index; each has a pose
+  };
+  /// A keyframe of one frame as seen from one of the other.
+  struct Sighting {
+    NodeId from, to;
+    Se2 T_from_to;
+    Eigen::Matrix3d information;
+  };
+  /// Sightings that put two maps to each other in the same way.
+  struct Story {
+    std::vector<Sighting> sightings;
+    bool told = false;  ///< all but the newest are submitted
   };
   /// The keyframes of a track, by place.
   struct View {
@@ -55,12 +77,19 @@ class LaserGroundCloser final : public Frontend {
   [[nodiscard]] PlaceDescriptor look_of(const Track& track, const Se2& T_map_body,
                                         const std::vector<SurfacePoint>& points) const;
   Result<void> close_loops(const OdometryFrame& frame, std::uint64_t index);
-  [[nodiscard]] std::vector<SubmapMatch> match_anywhere(const Track& track, const View& view,
-                                                        const Stored& newest) const;
+  [[nodiscard]] std::optional<SubmapMatch> match_anywhere(const Track& track, const View& view,
+                                                          const Stored& newest) const;
+  void hear(const Sighting& sighting, Transaction& transaction);
+  [[nodiscard]] Se2 pose_of(const NodeId& node) const;
+  [[nodiscard]] bool agree(const Sighting& a, const Sighting& b) const;
+  [[nodiscard]] Se2 first_map_second_map(const Sighting& sighting) const;
+  [[nodiscard]] bool is_seen_through(const Story& story) const;
+  [[nodiscard]] bool convinces(const Story& story, const std::vector<Story>& all) const;
 
   LaserGroundOptions options_;
   FrontendContext* context_ = nullptr;
   std::map<OdometryFrame, Track> tracks_;
+  std::map<std::pair<OdometryFrame, OdometryFrame>, std::vector<Story>> stories_;
 };
 
 }  // namespace cairn

@@ -154,6 +154,7 @@ TEST_P(ClientTest, WaitsForADaemonAndSurvivesItsOwnRestart) {
     EXPECT_THAT(late.error().message, HasSubstr("no receipt for transaction 21 within 1 ms"));
   }
   Client client = connect();
+  EXPECT_EQ(client.undecided(), 21u) << "of the run before, and nobody has said otherwise";
   const auto daemon = start_daemon();
   const auto receipt = client.submit(any(), kLong);
   ASSERT_TRUE(receipt) << receipt.error().to_string();
