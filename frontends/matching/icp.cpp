@@ -170,7 +170,8 @@ Result<IcpMatch> match_icp(const PointMap& map, const std::vector<SurfacePoint>&
   if (const Result<void> sound = check(options, start); !sound) return sound.error();
   IcpMatch match;
   match.T_map_scan = start;
-  double reach = options.first_reach_m;
+  const double last_reach = std::min(options.last_reach_m, map.reach_m());
+  double reach = std::min(options.first_reach_m, map.reach_m());
   for (match.iterations = 0; match.iterations < options.iterations;) {
     const Se2 T = match.T_map_scan;
     std::vector<Pair> pairs = find_pairs(map, scan, T, reach, options);
@@ -195,15 +196,19 @@ Result<IcpMatch> match_icp(const PointMap& map, const std::vector<SurfacePoint>&
     const Eigen::Vector3d dx = options.metric == IcpMetric::kPointToLine
                                    ? point_to_line_step(pairs, T, seen.projection)
                                    : (T.inverse() * best_point_to_point(pairs)).log();
+    if (!dx.allFinite()) {
+      match.stop = IcpStop::kTooFewPairs;
+      return match;
+    }
     match.T_map_scan = T.retract(dx);
     ++match.iterations;
     const bool small =
         dx.head<2>().norm() < options.least_step_m && std::abs(dx.z()) < options.least_step_rad;
-    if (small && reach <= options.last_reach_m) {
+    if (small && reach <= last_reach) {
       match.stop = IcpStop::kConverged;
       return match;
     }
-    reach = small ? options.last_reach_m : std::max(options.last_reach_m, 0.7 * reach);
+    reach = small ? last_reach : std::max(last_reach, 0.7 * reach);
   }
   match.stop = IcpStop::kIterations;
   return match;

@@ -42,7 +42,8 @@ struct IcpOptions {
 enum class IcpStop : std::uint8_t {
   kConverged,
   kIterations,   ///< all of them done, and still moving
-  kTooFewPairs,  ///< fewer than 3 with a weight: empty map or scan, or nothing within reach
+  kTooFewPairs,  ///< fewer than 3 with a weight (empty map or scan, nothing within reach), or not
+                 ///< finite
 };
 std::string_view name_of(IcpStop stop);
 

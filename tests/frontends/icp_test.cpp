@@ -259,6 +259,16 @@ TEST(Icp, SaysWhenThereIsTooLittleToMatch) {
   expect_nothing(points, broken);
 }
 
+TEST(Icp, ReachesNoFurtherThanTheMap) {
+  const Points points = room();
+  const Se2 start(0.02, 0.01, 0.005);
+  const IcpMatch far =
+      match(points, points, start, {.first_reach_m = 1e300, .last_reach_m = 1e300});
+  const IcpMatch near = match(points, points, start, {.first_reach_m = 0.6, .last_reach_m = 0.6});
+  EXPECT_EQ(far.stop, IcpStop::kConverged);
+  EXPECT_EQ(far.T_map_scan.to_vector(), near.T_map_scan.to_vector());
+}
+
 TEST(Icp, RefusesOptionsThatMakeNoSense) {
   const PointMap map(room(), 0.5);
   const double infinite = std::numeric_limits<double>::infinity(), nan = std::nan("");
