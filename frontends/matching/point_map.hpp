@@ -20,6 +20,8 @@ class PointMap {
   [[nodiscard]] const SurfacePoint* nearest(const Eigen::Vector2d& position,
                                             const Eigen::Vector2d& normal, double within_m) const;
   [[nodiscard]] std::span<const SurfacePoint> points() const { return points_; }
+  /// Neighbors further away than this must not be asked for.
+  [[nodiscard]] double reach_m() const { return reach_; }
 
  private:
   [[nodiscard]] int column(double x) const;
