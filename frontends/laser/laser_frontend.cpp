@@ -47,12 +47,13 @@ Result<void> LaserFrontend::add_keyframe(const LaserScan& scan) {
   return context_->roles().loop_closer && is_new ? close_loops(newest) : Result<void>();
 }
 
-// What a run before this one has submitted is not sent again, but for the first scan, which the
-// second keyframe names.
+// What a run before this one has submitted is not sent again, but for the first scan where the
+// second keyframe, which names it, is still to come.
 Result<void> LaserFrontend::submit_keyframe(const LaserScan& scan, const Se2& step) {
   const auto& keyframes = tracker_.keyframes();
   const std::size_t newest = keyframes.size() - 1;
-  if (newest > 0 && newest < context_->keyframes_before()) return {};
+  const std::uint64_t before = context_->keyframes_before();
+  if (newest < before && (newest > 0 || before > 1)) return {};
   const Result<std::string> bytes = encode(RangeScan{.first_angle_rad = scan.first_angle_rad,
                                                      .angle_step_rad = scan.angle_step_rad,
                                                      .max_range_m = scan.max_range_m,
@@ -62,7 +63,7 @@ Result<void> LaserFrontend::submit_keyframe(const LaserScan& scan, const Se2& st
   const Result<ContentHash> hash = context_->send_payload(std::string(kRangeScanPayload), *bytes);
   if (!hash) return hash.error();
   if (newest == 0) first_scan_ = *hash;
-  if (newest < context_->keyframes_before()) return {};
+  if (newest < before) return {};
   Transaction transaction;
   add_pose(transaction, node(newest), keyframes[newest].T_odom_laser, scan.stamp_ns);
   transaction.variables.back().odometry = transaction.variables.back().start;

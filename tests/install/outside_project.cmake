@@ -1,16 +1,7 @@
 # Installs BUILD to a temporary prefix, makes an outside project of the code blocks in SOURCE/README.md that follow
 # "<!-- file: NAME -->", builds it with find_package(cairn) and runs it on a small graph.
 set(work ${BUILD}/outside)
-file(REMOVE_RECURSE ${work})
-file(MAKE_DIRECTORY ${work}/project)
-
-function(run)
-  execute_process(COMMAND ${ARGV} RESULT_VARIABLE result OUTPUT_VARIABLE output ERROR_VARIABLE output)
-  if(NOT result EQUAL 0)
-    string(JOIN " " command ${ARGV})
-    message(FATAL_ERROR "exit code ${result} of: ${command}\n${output}")
-  endif()
-endfunction()
+include(${CMAKE_CURRENT_LIST_DIR}/installed.cmake)
 
 # Copies the code block of README.md that is called `name` to the project and gives its text in `code`.
 function(extract name)
@@ -40,10 +31,7 @@ if(at EQUAL -1)
   message(FATAL_ERROR "the example in README.md is not the code of clients/examples/optimize_file.cpp any more")
 endif()
 
-run(${CMAKE_COMMAND} --install ${BUILD} --prefix ${work}/prefix)
-run(${CMAKE_COMMAND} -S ${work}/project -B ${work}/build -G ${GENERATOR} -D CMAKE_BUILD_TYPE=Release
-  -D CMAKE_CXX_COMPILER=${COMPILER} -D CMAKE_PREFIX_PATH=${work}/prefix)
-run(${CMAKE_COMMAND} --build ${work}/build)
+build_outside(${work}/project)
 run(${work}/build/optimize_file ${CMAKE_CURRENT_LIST_DIR}/triangle.g2o ${work}/optimized.g2o)
 run(${work}/prefix/bin/cairn --version)
 
