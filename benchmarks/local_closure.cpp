@@ -76,7 +76,7 @@ struct Cost {
   double moved = 0.0;  ///< poses, on average
 };
 
-// Of the live solves: the last ones, one per closure.
+// Of the last solves, live ones and those of a map that settles, as many as closures.
 double poses_moved(const std::string& folder, std::size_t closures) {
   const auto journal = Journal::open(folder);
   if (!journal) give_up(journal.error().to_string());
@@ -85,8 +85,7 @@ double poses_moved(const std::string& folder, std::size_t closures) {
     const auto* solve = std::get_if<SolveRecord>(&record.body);
     const auto method =
         solve == nullptr ? std::nullopt : SolveSettings::parse(solve->settings).known();
-    if (method && method->kind == SolveKind::kLive)
-      moved.push_back(static_cast<double>(solve->changed.size()));
+    if (method) moved.push_back(static_cast<double>(solve->changed.size()));
     return {};
   });
   if (!walked || moved.size() < closures) give_up("there are not as many solves as closures");

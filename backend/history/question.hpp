@@ -35,8 +35,8 @@ struct Asked {
   KeepGoing keep_going{};
 };
 
-/// Answers log, show, diff, keyframes and export, for people or, with the option json, for programs. kUsage
-/// where the question makes no sense.
+/// Answers log, show, diff, keyframes and export, for people or, with the option json, for
+/// programs. kUsage where the question makes no sense.
 Result<std::string> answer(const Question& question, const Asked& asked);
 
 Result<std::string> answer_log(const Question& question, const Asked& asked);

@@ -11,6 +11,7 @@
 #include <set>
 #include <sstream>
 
+#include "cairn/io/input_text.hpp"
 #include "frontends/host/tum.hpp"
 #include "frontends/laser/laser_ground_closer.hpp"
 #include "frontends/place_recognition/place_descriptor.hpp"
@@ -188,10 +189,10 @@ TEST_F(TwoRobots, OfARealLogAreOnOneMapThoughTheCloserIsKilled) {
   const char* given = std::getenv("CAIRN_SEED");
   const std::uint64_t seed = given ? std::strtoull(given, nullptr, 10) : std::random_device{}();
   std::cout << "CAIRN_SEED=" << seed << '\n';
-  const ProcessResult unpacked = Process({"bzip2", "-dc", laser + "/intel.clf.bz2"}).wait();
-  ASSERT_EQ(unpacked.exit_code, 0) << unpacked.err;
+  const auto unpacked = read_input_text(laser + "/intel.clf.bz2");
+  ASSERT_TRUE(unpacked) << unpacked.error().to_string();
   std::vector<std::string> lines;
-  std::istringstream all(unpacked.out);
+  std::istringstream all(std::string(unpacked->view));
   for (std::string line; std::getline(all, line);) lines.push_back(line);
   std::ofstream anna(log("anna")), bert(log("bert"));
   for (std::size_t i = 0; i < lines.size(); ++i) {
