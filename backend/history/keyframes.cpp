@@ -13,7 +13,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr std::uint64_t kBytes = 1u << 20, kMostBytes = 64u << 20;
+constexpr std::uint64_t kBytes = 1u << 20, kMostBytes = 16u << 20;
 constexpr std::size_t kMostAgain = 4096;
 
 // Nothing where one of its payloads has not come.

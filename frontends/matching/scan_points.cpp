@@ -11,6 +11,8 @@ namespace {
 constexpr double kFlat =
     0.15;  // of a line's neighbors: their spread across over that along, at most
 constexpr std::size_t kLeastNeighbors = 3;
+// To either side. Close to a wall a million beams would be neighbors of each other.
+constexpr std::size_t kMostNeighbors = 256;
 constexpr double kRangeM = 0.01;  // noise of a range where neighbors are too few to tell
 
 }  // namespace
@@ -35,10 +37,11 @@ std::vector<SurfacePoint> surface_points(const LaserScan& scan, const ScanPointO
     const double gap = std::max(options.gap_m, 3.0 * spacing);
     const double radius = std::max(options.line_radius_m, 3.0 * spacing);
     std::size_t first = k, last = k;
-    while (first > 0 && (points[first - 1].position - points[first].position).norm() < gap &&
+    while (first > 0 && k - first < kMostNeighbors &&
+           (points[first - 1].position - points[first].position).norm() < gap &&
            (points[first - 1].position - center).norm() < radius)
       --first;
-    while (last + 1 < points.size() &&
+    while (last + 1 < points.size() && last - k < kMostNeighbors &&
            (points[last + 1].position - points[last].position).norm() < gap &&
            (points[last + 1].position - center).norm() < radius)
       ++last;

@@ -37,6 +37,20 @@ Se2 draw_offset(Random& random, double m, double rad) {
   return {random.uniform(-m, m), random.uniform(-m, m), random.uniform(-rad, rad)};
 }
 
+// A laser that stands before a wall, and has as many beams as a message may: it must not take
+// minutes.
+TEST(SurfacePoints, AreFewNeighborsWhereBeamsAreMany) {
+  LaserScan scan{.first_angle_rad = -1.5,
+                 .angle_step_rad = 3e-5,
+                 .max_range_m = 10.0,
+                 .ranges_m = std::vector<float>(100'000)};
+  for (std::size_t i = 0; i < scan.ranges_m.size(); ++i)
+    scan.ranges_m[i] = static_cast<float>(0.2 / std::cos(-1.5 + 3e-5 * static_cast<double>(i)));
+  const std::vector<SurfacePoint> points = surface_points(scan);
+  ASSERT_EQ(points.size(), scan.ranges_m.size());
+  EXPECT_NEAR(std::abs(points[points.size() / 2].normal.x()), 1.0, 1e-3);
+}
+
 // Where walls show every direction: along a corridor (scan 900) nothing says how far to go.
 TEST(PointToLine, FindsAKnownOffset) {
   Random random(7);
