@@ -72,30 +72,36 @@ Result<void> LaserGroundCloser::on_keyframe(const RobotKeyframe& keyframe) {
   const auto pose = track.poses.find(keyframe.node.index);
   std::vector<SurfacePoint> points = points_of(keyframe);
   if (pose == track.poses.end() || points.empty()) return {};
-  const PlaceDescriptor look = look_of(track, pose->second, points);
-  std::vector<float> ranges = ranges_of(points);
   track.keyframes.insert_or_assign(keyframe.node.index,
-                                   Stored{std::move(points), look, std::move(ranges)});
+                                   store(track, pose->second, std::move(points)));
   return keyframe.is_new ? close_loops(keyframe.node.frame, keyframe.node.index) : Result<void>();
 }
 
-// With what was seen on the way there: one sweep sees half of it.
-PlaceDescriptor LaserGroundCloser::look_of(const Track& track, const Se2& T_map_body,
-                                           const std::vector<SurfacePoint>& points) const {
-  std::vector<SurfacePoint> around = points;
+// A place looks like what was seen there and on the way there: one sweep sees half of it. How well
+// the keyframe lies among them is how well its tracker could know.
+LaserGroundCloser::Stored LaserGroundCloser::store(const Track& track, const Se2& T_map_body,
+                                                   std::vector<SurfacePoint> points) const {
+  std::vector<SurfacePoint> around;
   std::size_t left = options_.described;
   for (auto at = track.keyframes.rbegin(); at != track.keyframes.rend() && left > 0; ++at, --left)
     for (const SurfacePoint& point :
          moved(T_map_body.inverse() * track.poses.at(at->first), at->second.points))
       around.push_back(point);
-  return describe_place(around);
+  Eigen::Matrix3d information = Eigen::Matrix3d::Zero();
+  if (!around.empty())
+    information = match_point_to_line(PointMap(around, options_.loops.matching.first_reach_m),
+                                      points, Se2(), options_.loops.matching)
+                      .information;
+  around.insert(around.end(), points.begin(), points.end());
+  std::vector<float> ranges = ranges_of(points);
+  return {std::move(points), describe_place(around), std::move(ranges), information};
 }
 
 LaserGroundCloser::View LaserGroundCloser::view(const Track& track) {
   View view;
   for (const auto& [index, stored] : track.keyframes) {
     view.indices.push_back(index);
-    view.keyframes.push_back({track.poses.at(index), &stored.points});
+    view.keyframes.push_back({track.poses.at(index), &stored.points, stored.match_information});
   }
   return view;
 }

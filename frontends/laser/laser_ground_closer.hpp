@@ -49,7 +49,8 @@ class LaserGroundCloser final : public Frontend {
   struct Stored {
     std::vector<SurfacePoint> points;  ///< in the body's frame
     PlaceDescriptor look;
-    std::vector<float> ranges_m;  ///< of the nearest point, by bearing; 0: none
+    std::vector<float> ranges_m;        ///< of the nearest point, by bearing; 0: none
+    Eigen::Matrix3d match_information;  ///< as of LoopKeyframe
   };
   struct Track {
     std::string map;
@@ -74,8 +75,8 @@ class LaserGroundCloser final : public Frontend {
   };
 
   [[nodiscard]] static View view(const Track& track);
-  [[nodiscard]] PlaceDescriptor look_of(const Track& track, const Se2& T_map_body,
-                                        const std::vector<SurfacePoint>& points) const;
+  [[nodiscard]] Stored store(const Track& track, const Se2& T_map_body,
+                             std::vector<SurfacePoint> points) const;
   Result<void> close_loops(const OdometryFrame& frame, std::uint64_t index);
   [[nodiscard]] std::optional<SubmapMatch> match_anywhere(const Track& track, const View& view,
                                                           const Stored& newest) const;

@@ -70,7 +70,7 @@ class TwoRobots : public testing::Test {
 
   Process closer() const {
     return Process({FRONTEND_BINARY, "laser", "--role", "loop-closer", "--robot", "ground",
-                    "--spool", folder_.file("spool"), "--domain", domain_, "--until-idle", "3",
+                    "--spool", folder_.file("spool"), "--domain", domain_, "--until-idle", "8",
                     "--settle"});
   }
 
@@ -179,7 +179,7 @@ TEST_F(TwoRobots, InABuildingAreOnOneMap) {
   const ProcessResult judged =
       Process({CAIRN_BINARY, "eval", "ate", truth, both, "--quiet", "--json", "-"}).wait();
   ASSERT_EQ(judged.exit_code, 0) << judged.err;
-  EXPECT_LT(nlohmann::json::parse(judged.out)["translation"]["rmse"].get<double>(), 0.2)
+  EXPECT_LT(nlohmann::json::parse(judged.out)["translation"]["rmse"].get<double>(), 0.05)
       << "on a wrong place of the other's map it were 10 m";
   EXPECT_THAT(doubled(), testing::IsEmpty());
 }
