@@ -145,6 +145,7 @@ TEST_P(MapServiceTest, BringsOnlyWhatIsDifferentAfterARestartOfTheDaemon) {
   client.on_maps([&](const MapChange& change) { followed.take(change); });
   const Tiles before = rendered(*daemon);
   ASSERT_TRUE(wait_until([&] { return shows(client, before); }));
+  ASSERT_TRUE(wait_until([&] { return followed.all() == before; }));  // told after it is shown
   EXPECT_GE(followed.take_told().size(), before.size());
   daemon.reset();
   daemon = start_daemon();
