@@ -179,7 +179,7 @@ TEST_F(TwoRobots, InABuildingAreOnOneMap) {
   const ProcessResult judged =
       Process({CAIRN_BINARY, "eval", "ate", truth, both, "--quiet", "--json", "-"}).wait();
   ASSERT_EQ(judged.exit_code, 0) << judged.err;
-  EXPECT_LT(nlohmann::json::parse(judged.out)["translation"]["rmse"].get<double>(), 0.05)
+  EXPECT_LT(nlohmann::json::parse(judged.out)["translation"]["rmse"].get<double>(), 0.2)
       << "on a wrong place of the other's map it were 10 m";
   EXPECT_THAT(doubled(), testing::IsEmpty());
 }
