@@ -41,17 +41,21 @@ double chi2_of(const Graph& graph, const Values& values, Counts counts) {
   return sum;
 }
 
-// Of the optimum without the newcomers: that of the map's estimates, where they are one.
-double chi2_without(const PoseGraph& map, const CanonicalOrder& order, const Graph& graph,
-                    const std::vector<bool>& is_old, const SettleOptions& options) {
-  const Values estimates = estimates_of(map, order, graph);
+// That of the map's estimates, where they are one.
+OptimumWithout optimum_without(const PoseGraph& map, const CanonicalOrder& order,
+                               const Graph& graph, const std::vector<bool>& is_old,
+                               const SettleOptions& options) {
+  Values estimates = estimates_of(map, order, graph);
   const double unsolved = chi2_of(graph, estimates, [&](std::size_t i) {
     return is_old[i] && order.factors[i] >= map.first_unsolved_factor;
   });
-  if (unsolved <= kNothing)
-    return chi2_of(graph, estimates, [&](std::size_t i) { return is_old[i]; });
+  if (unsolved <= kNothing) {
+    const double chi2 = chi2_of(graph, estimates, [&](std::size_t i) { return is_old[i]; });
+    return {chi2, std::move(estimates)};
+  }
   Graph old = graph.with_factors(is_old);
-  return optimize(old, optimizer_options(options)).final_chi2;
+  const double chi2 = optimize(old, optimizer_options(options)).final_chi2;
+  return {chi2, old.values()};
 }
 
 bool is_out(const StoredFactor& factor) { return factor.state == FactorState::kQuarantined; }
@@ -127,7 +131,7 @@ std::optional<SettledEstimate> try_newcomers(const PoseGraph& map, const SettleO
     settled.summary = optimize(settled.graph, optimizer_options(options));
     return settled;
   }
-  const double before = chi2_without(map, settled.order, settled.graph, is_old, options);
+  const OptimumWithout before = optimum_without(map, settled.order, settled.graph, is_old, options);
   LoopTrial trial = try_loops(settled.graph, newcomers, before, optimizer_options(options));
   if (trial.summary.stop_reason != StopReason::kInterrupted &&
       (!trial.passed || (any_is_out(map) && (another_fits(map, settled, trial.threshold) ||

@@ -28,15 +28,15 @@ bool tie_parts(const Graph& graph, const std::vector<std::size_t>& loops) {
 }
 
 // Of every loop, in medians of chi-square.
-std::vector<double> loop_ratios(const Graph& graph, const std::vector<bool>& is_new, bool of_new,
-                                ErrorChart chart) {
+std::vector<double> loop_ratios(const Graph& graph, const Values& values,
+                                const std::vector<bool>& is_new, bool of_new, ErrorChart chart) {
   std::vector<double> ratios;
   for (std::size_t place = 0; place < graph.factor_count(); ++place) {
     const auto [b, index] = graph.factors()[place];
     const FactorBatch& batch = *graph.batches()[b];
     if (batch.kinds()[index] != FactorKind::kLoop || is_new[place] != of_new) continue;
     double chi2 = 0.0;
-    batch.evaluate_chi2(index, index + 1, {.values = graph.values(), .chart = chart}, &chi2);
+    batch.evaluate_chi2(index, index + 1, {.values = values, .chart = chart}, &chi2);
     ratios.push_back(chi2 / median_chi2(batch.residual_dimension()));
   }
   return ratios;
@@ -44,8 +44,8 @@ std::vector<double> loop_ratios(const Graph& graph, const std::vector<bool>& is_
 
 }  // namespace
 
-LoopTrial try_loops(Graph& graph, const std::vector<std::size_t>& newcomers, double chi2_before,
-                    const SolveOptions& options) {
+LoopTrial try_loops(Graph& graph, const std::vector<std::size_t>& newcomers,
+                    const OptimumWithout& before, const SolveOptions& options) {
   LoopTrial trial;
   if (tie_parts(graph, newcomers)) return trial;
   trial.summary = optimize(graph, options);
@@ -56,13 +56,16 @@ LoopTrial try_loops(Graph& graph, const std::vector<std::size_t>& newcomers, dou
     is_new[place] = true;
     dimension = graph.batches()[graph.factors()[place].batch]->residual_dimension();
   }
-  const std::vector<double> old = loop_ratios(graph, is_new, false, options.chart);
-  const std::vector<double> fresh = loop_ratios(graph, is_new, true, options.chart);
+  const std::vector<double> old = loop_ratios(graph, graph.values(), is_new, false, options.chart);
+  const std::vector<double> fresh = loop_ratios(graph, graph.values(), is_new, true, options.chart);
   // The sum of many could hide one that is false.
   if (fresh.size() > std::max(kLeastLoops, old.size())) return trial;
   const double scale =
-      old.size() < kLeastLoops ? 1.0 : trusted_noise_scale(kGivenWay * median(old));
-  trial.increase = trial.summary.final_chi2 - chi2_before;
+      old.size() < kLeastLoops
+          ? 1.0
+          : trusted_noise_scale(kGivenWay * median(loop_ratios(graph, before.values, is_new, false,
+                                                               options.chart)));
+  trial.increase = trial.summary.final_chi2 - before.chi2;
   // One may be as far off as any; the others bring what is to be expected.
   const double others = static_cast<double>(newcomers.size()) - 1.0;
   trial.threshold = scale * (largest_chi2(dimension) + others * dimension);

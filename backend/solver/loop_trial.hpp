@@ -18,16 +18,23 @@ struct LoopTrial {
   SolveSummary summary;
 };
 
+/// The optimum without the newcomers.
+struct OptimumWithout {
+  double chi2 = 0.0;
+  Values values;  ///< of all variables
+};
+
 /// The gate's short way, for loops that fit a map in which everything fits: one solve with them.
 /// The increase of chi2 that a loop brings is the squared Mahalanobis distance of its measurement
 /// from the relative pose that everything else gives, with its marginal covariance and the
 /// loop's own; that of all `newcomers` (places in factors()) is no smaller than its largest part.
-/// The noise scale is that of the old loops' residuals. Passes nothing that ties parts of the
+/// The noise scale is that of the old loops' residuals without them: one that is false bends a
+/// small map so far that everything in it seems noisy. Passes nothing that ties parts of the
 /// graph together which nothing else does, and nothing where the solution is not usable: ask
 /// solve_gated() then.
 ///
-/// `chi2_before`: of the optimum without them. The values of `graph` move to the solution.
-LoopTrial try_loops(Graph& graph, const std::vector<std::size_t>& newcomers, double chi2_before,
-                    const SolveOptions& options = {});
+/// The values of `graph` move to the solution.
+LoopTrial try_loops(Graph& graph, const std::vector<std::size_t>& newcomers,
+                    const OptimumWithout& before, const SolveOptions& options = {});
 
 }  // namespace cairn
