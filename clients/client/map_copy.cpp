@@ -18,6 +18,17 @@ const MapCopy::Held* MapCopy::find(const std::string& map, const TileIndex& tile
   return held == layer->second.tiles.end() ? nullptr : &held->second;
 }
 
+// The index may come before an answer that was given earlier.
+bool MapCopy::is_gone_since(const std::string& map, const SentTile& sent) const {
+  const auto index = runs_.find(run_);
+  if (index == runs_.end()) return false;
+  const auto tiles = index->second.find(map);
+  if (tiles == index->second.end()) return false;
+  const auto named = tiles->second.find(sent.tile);
+  return named != tiles->second.end() && named->second.is_gone() &&
+         named->second.revision > sent.revision;
+}
+
 // Nothing where the tile that the index names is missing.
 std::optional<std::uint64_t> MapCopy::known_revision(const std::string& map,
                                                      const TileEntry& entry) const {
@@ -64,6 +75,7 @@ Result<MapChange> MapCopy::take(const TileAnswer& answer) {
   for (const SentTile& sent : answer.tiles) {
     const Held* before = find(answer.map, sent.tile);
     if (before != nullptr && before->run == run_ && before->revision >= sent.revision) continue;
+    if (is_gone_since(answer.map, sent)) continue;
     const Result<MapTile> cells = decode_tile(sent.cells);
     if (!cells) {
       fault = cells.error();

@@ -49,6 +49,7 @@ class MapCopy {
   using Index = std::map<std::string, std::map<TileIndex, TileEntry>>;
 
   [[nodiscard]] const Held* find(const std::string& map, const TileIndex& tile) const;
+  [[nodiscard]] bool is_gone_since(const std::string& map, const SentTile& sent) const;
   [[nodiscard]] std::optional<std::uint64_t> known_revision(const std::string& map,
                                                             const TileEntry& entry) const;
   [[nodiscard]] std::optional<TileRequest> request_for(

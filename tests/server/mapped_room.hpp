@@ -7,21 +7,15 @@
 #include <functional>
 #include <set>
 #include <string>
-#include <thread>
 
 #include "cairn/graph/ground_pose.hpp"
 #include "cairn/maps/map_renderer.hpp"
 #include "clients/client/client.hpp"
 #include "server/replay_journal.hpp"
 #include "tests/server/drive.hpp"
+#include "tests/support/wait_until.hpp"
 
 namespace cairn::test {
-
-inline bool wait_until(const std::function<bool()>& condition) {
-  for (int i = 0; i < 3000 && !condition(); ++i)
-    std::this_thread::sleep_for(std::chrono::milliseconds(10));
-  return condition();
-}
 
 /// What a laser sees at (x, 0), looking along x, of a room from (-3, -4) to (103, 4); the beams are
 /// so few that tiles differ from scan to scan.

@@ -2,8 +2,7 @@
 // Payloads from a client's disk into the journal's store, over memory and over the real middleware.
 #include <gtest/gtest.h>
 
-#include <functional>
-#include <thread>
+#include <chrono>
 
 #include "clients/client/client.hpp"
 #include "clients/client/payload_spool.hpp"
@@ -13,6 +12,7 @@
 #include "tests/server/drive.hpp"
 #include "tests/support/own_domain.hpp"
 #include "tests/support/temporary_folder.hpp"
+#include "tests/support/wait_until.hpp"
 #include "tests/wire/listeners.hpp"
 
 namespace cairn {
@@ -20,10 +20,7 @@ namespace {
 
 using namespace std::chrono_literals;
 
-bool wait_until(const std::function<bool()>& condition) {
-  for (int i = 0; i < 2000 && !condition(); ++i) std::this_thread::sleep_for(10ms);
-  return condition();
-}
+using test::wait_until;
 
 class PayloadTest : public testing::TestWithParam<bool> {
  protected:

@@ -180,6 +180,20 @@ TEST(MapCopy, BeginsAnewWithAnotherResolution) {
   EXPECT_EQ(copy.views().at(0).tiles.size(), 1u);
 }
 
+// Index and answers come by different ways, so either may overtake the other.
+TEST(MapCopy, TakesNoTileThatIsGoneSinceItWasSent) {
+  PublishedTiles tiles = row_of(1, 5);
+  MapCopy copy;
+  tell(tiles, copy);
+  const TileAnswer late = tiles.answer(*copy.next_request(0.0, 0.0, kBudget));
+  tiles.begin_revision();
+  tiles.put("m", {1, 0}, nullptr);
+  tell(tiles, copy);
+  ASSERT_TRUE(copy.take(late));
+  EXPECT_EQ(copy.views().at(0).tiles.size(), 4u);
+  EXPECT_FALSE(copy.views().at(0).tiles.contains({1, 0}));
+}
+
 TEST(MapCopy, RefusesTilesThatCannotBeRead) {
   PublishedTiles tiles = row_of(1, 1);
   MapCopy copy;
