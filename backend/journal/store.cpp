@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "cairn/journal/store.hpp"
 
+#include <rocksdb/cache.h>
 #include <rocksdb/table.h>
 
 #include <algorithm>
@@ -21,6 +22,9 @@ constexpr char kIdentityKey[] = "m";
 constexpr char kPayloadMarkKey[] = "";
 constexpr char kPayloadTimeKey = 't';
 constexpr std::size_t kSmallestBlobBytes = 4096;
+// Of blocks that were read. By default it would be 8 MB a family, filled in the course of days:
+// operators read a record here and there, and nobody the same again.
+constexpr std::size_t kCacheBytes = 1u << 20;
 
 bool changes_nothing(Store::Mode mode) {
   return mode == Store::Mode::kInspect || mode == Store::Mode::kInspectCut;
@@ -62,6 +66,9 @@ rocksdb::ColumnFamilyOptions record_options(const Store::Settings& settings) {
   rocksdb::ColumnFamilyOptions options;
   options.write_buffer_size = settings.write_buffer_bytes;
   options.compression = rocksdb::kNoCompression;
+  rocksdb::BlockBasedTableOptions table;
+  table.block_cache = rocksdb::NewLRUCache(kCacheBytes);
+  options.table_factory.reset(rocksdb::NewBlockBasedTableFactory(table));
   return options;
 }
 
