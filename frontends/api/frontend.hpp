@@ -67,6 +67,8 @@ class FrontendContext {
   virtual Result<ContentHash> send_payload(const std::string& type, const std::string& bytes) = 0;
   /// Every frame, once.
   virtual void localize(const LocalizedFrame& frame) = 0;
+  /// A line for who runs the front-end, such as what a sensor cannot tell.
+  virtual void tell(const std::string& text) = 0;
 };
 
 /// Makes constraints of what a sensor sees. All calls come from one thread, in the order start,
@@ -86,7 +88,7 @@ class Frontend {
 
 /// What a shared object exports as `cairn_frontend_plugin`.
 struct FrontendPlugin {
-  static constexpr std::uint32_t kVersion = 2;
+  static constexpr std::uint32_t kVersion = 3;
   std::uint32_t version = kVersion;
   const char* name = "";
   Frontend* (*make)() = nullptr;  ///< deleted by the host

@@ -29,7 +29,7 @@ struct Arguments {
   cairn::HostOptions host{};
   double timeout_s = 30.0;
   double until_idle_s = 0.0;
-  bool settle = false, quiet = false;
+  bool no_odometry = false, settle = false, quiet = false;
 };
 
 volatile std::sig_atomic_t interrupted = 0;
@@ -68,6 +68,10 @@ int run_on_input(Arguments& a) {
   if ((*input)->is_live() && (a.host.rate_hz > 0.0 || a.host.lockstep))
     return cairn::fail({cairn::ErrorCode::kUsage,
                         "--rate and --lockstep are for logs: a live robot sets the pace"});
+  if ((*input)->is_live() && a.no_odometry)
+    return cairn::fail({cairn::ErrorCode::kUsage,
+                        "--no-odometry is for logs: for a ROS 2 robot without, say ros:odom="});
+  if (a.no_odometry) *input = cairn::without_odometry(std::move(*input));
   if (!a.truth.empty()) {
     if (auto written = write_truth(**input, a); !written) return cairn::fail(written.error());
   }
@@ -118,10 +122,10 @@ cairn::Result<void> check_arguments(const Arguments& a) {
   const bool only_closes = a.role == "loop-closer";
   const auto usage = [](const char* why) { return cairn::Error{cairn::ErrorCode::kUsage, why}; };
   if (only_closes && (!a.input.empty() || !a.trajectory.empty() || !a.truth.empty() ||
-                      a.host.rate_hz > 0.0 || a.host.lockstep))
+                      a.host.rate_hz > 0.0 || a.host.lockstep || a.no_odometry))
     return usage(
         "--role loop-closer takes the keyframes of all robots from the daemon: no --input, "
-        "--rate, --lockstep, --trajectory or --truth");
+        "--rate, --lockstep, --no-odometry, --trajectory or --truth");
   if (!only_closes && a.input.empty()) return usage("--input is required");
   if (!only_closes && a.until_idle_s > 0.0) return usage("--until-idle is for --role loop-closer");
   for (const std::string& file : {a.trajectory, a.truth}) {
@@ -180,6 +184,8 @@ int main(int argc, char** argv) {
       ->type_name("HZ");
   app.add_flag("--lockstep", a.host.lockstep,
                "settle the map after each keyframe: every run gives the same bits");
+  app.add_flag("--no-odometry", a.no_odometry,
+               "leave the odometry of a log out: motion is guessed from the motion before");
   app.add_option("--spool", a.spool, "folder of the spools; else $XDG_STATE_HOME/cairn/spool")
       ->type_name("DIR")
       ->default_str("");

@@ -32,6 +32,25 @@ class ScanSource final : public FrameSource {
   std::size_t next_ = 0;
 };
 
+class WithoutOdometry final : public FrameSource {
+ public:
+  explicit WithoutOdometry(std::unique_ptr<FrameSource> source) : source_(std::move(source)) {}
+  Result<NextFrame> next() override {
+    Result<NextFrame> next = source_->next();
+    if (!next) return next;
+    if (auto* frame = std::get_if<SensorFrame>(&*next))
+      std::get<LaserScan>(*frame).T_odom_laser.reset();
+    return next;
+  }
+  [[nodiscard]] bool is_live() const override { return source_->is_live(); }
+  [[nodiscard]] HostObserver* observer() override { return source_->observer(); }
+  [[nodiscard]] std::string truth() const override { return source_->truth(); }
+  [[nodiscard]] std::string report() const override { return source_->report(); }
+
+ private:
+  std::unique_ptr<FrameSource> source_;
+};
+
 Result<std::unique_ptr<FrameSource>> open_simulation(const std::string& seed) {
   DriveOptions options;
   const auto [end, error] = std::from_chars(seed.data(), seed.data() + seed.size(), options.seed);
@@ -56,6 +75,10 @@ Result<std::unique_ptr<FrameSource>> open_log(const std::string& path) {
 }
 
 }  // namespace
+
+std::unique_ptr<FrameSource> without_odometry(std::unique_ptr<FrameSource> source) {
+  return std::make_unique<WithoutOdometry>(std::move(source));
+}
 
 Result<std::unique_ptr<FrameSource>> open_input(const std::string& name, std::uint32_t domain) {
   const std::string simulated = "simulated";

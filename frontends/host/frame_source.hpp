@@ -31,6 +31,9 @@ class FrameSource {
   [[nodiscard]] virtual std::string report() const { return {}; }
 };
 
+/// The same frames as if the robot had no odometry.
+std::unique_ptr<FrameSource> without_odometry(std::unique_ptr<FrameSource> source);
+
 /// "simulated" or "simulated:SEED": a drive through an office floor. "ros" or "ros:KEY=VALUE,...":
 /// a robot's topics (frontends/ros). Anything else is the path of a CARMEN log. What a log's reader
 /// warns of goes to standard error. `domain` is that of the Cairn daemon.

@@ -164,6 +164,10 @@ void FrontendHost::localize(const LocalizedFrame& frame) {
   if (options_.keep_frames) localized_.push_back(frame);
 }
 
+void FrontendHost::tell(const std::string& text) {
+  std::fprintf(stderr, "%s: %s\n", options_.robot.c_str(), text.c_str());
+}
+
 Result<void> FrontendHost::submit_keyframe(Transaction transaction) {
   ++counts_.keyframes;
   if (observer_ != nullptr) observer_->on_keyframe(transaction);

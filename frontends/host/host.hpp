@@ -69,6 +69,7 @@ class FrontendHost final : private FrontendContext {
   Result<void> submit_loops(Transaction transaction) override;
   Result<ContentHash> send_payload(const std::string& type, const std::string& bytes) override;
   void localize(const LocalizedFrame& frame) override;
+  void tell(const std::string& text) override;
 
   Result<void> keep(Result<Submission> taken);
   Result<void> wait_for(std::size_t at_most);

@@ -185,6 +185,10 @@ Result<void> LoopCloserHost::submit_keyframe(Transaction /*transaction*/) {
   return Error{ErrorCode::kUsage, "a loop closer makes no keyframes; run it with --role both"};
 }
 
+void LoopCloserHost::tell(const std::string& text) {
+  std::fprintf(stderr, "%s: %s\n", options_.robot.c_str(), text.c_str());
+}
+
 Result<ContentHash> LoopCloserHost::send_payload(const std::string& /*type*/,
                                                  const std::string& /*bytes*/) {
   return Error{ErrorCode::kUsage, "a loop closer sends no scans; run it with --role both"};

@@ -52,6 +52,7 @@ class LoopCloserHost final : private FrontendContext {
   Result<void> submit_loops(Transaction transaction) override;
   Result<ContentHash> send_payload(const std::string& type, const std::string& bytes) override;
   void localize(const LocalizedFrame& /*frame*/) override {}
+  void tell(const std::string& text) override;
 
   struct Place {
     std::uint64_t store = 0, era = 0, next = 0;  ///< next: in the daemon's order

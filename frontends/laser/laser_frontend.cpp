@@ -20,11 +20,25 @@ NodeId LaserFrontend::node(std::size_t keyframe) const {
 
 Result<void> LaserFrontend::process(const SensorFrame& frame) {
   const auto& scan = std::get<LaserScan>(frame);
+  tell_missing_odometry(scan);
   const TrackedScan tracked = tracker_.track(scan);
   const LaserTracker::Keyframe& keyframe = tracker_.keyframes()[tracked.keyframe];
   context_->localize({scan.stamp_ns, node(tracked.keyframe),
                       keyframe.T_odom_laser.inverse() * tracked.T_odom_laser});
+  if (const auto news = blind_.take(tracked.match, tracked.keyframe)) context_->tell(*news);
   return tracked.is_keyframe ? add_keyframe(scan) : Result<void>();
+}
+
+void LaserFrontend::tell_missing_odometry(const LaserScan& scan) {
+  if (scan.T_odom_laser || std::exchange(told_missing_odometry_, true)) return;
+  context_->tell("the scan stamped " + std::to_string(scan.stamp_ns) +
+                 " ns comes without odometry: its motion is guessed from the one before, and so "
+                 "for all like it");
+}
+
+Result<void> LaserFrontend::stop() {
+  if (const std::string summary = blind_.summary(); !summary.empty()) context_->tell(summary);
+  return {};
 }
 
 Result<void> LaserFrontend::add_keyframe(const LaserScan& scan) {

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "frontends/api/frontend.hpp"
+#include "frontends/laser/blind_stretch.hpp"
 #include "frontends/laser/laser_loop_closer.hpp"
 #include "frontends/laser/laser_tracker.hpp"
 
@@ -25,16 +26,19 @@ class LaserFrontend final : public Frontend {
   Result<void> start(FrontendContext& context) override;
   Result<void> process(const SensorFrame& frame) override;
   void on_snapshot(const MapSnapshot& snapshot) override;
-  Result<void> stop() override { return {}; }
+  Result<void> stop() override;
 
  private:
   Result<void> add_keyframe(const LaserScan& scan);
   Result<void> submit_keyframe(const LaserScan& scan, const Se2& T_before_newest);
   Result<void> close_loops(std::size_t keyframe);
   [[nodiscard]] NodeId node(std::size_t keyframe) const;
+  void tell_missing_odometry(const LaserScan& scan);
 
   LaserOptions options_;
   LaserTracker tracker_;
+  BlindStretch blind_;
+  bool told_missing_odometry_ = false;
   FrontendContext* context_ = nullptr;
   std::vector<LoopKeyframe> map_;  ///< by keyframe: optimized as far as is known, then by odometry
   std::optional<ContentHash>

@@ -14,26 +14,26 @@ namespace {
 // these: measured on the simulated building over 20 seeds.
 constexpr double kSharedLines = 1.27;
 
+Eigen::Matrix3d information_of(double sigma_m, double sigma_rad) {
+  const double m = 1.0 / (sigma_m * sigma_m);
+  return Eigen::Vector3d(m, m, 1.0 / (sigma_rad * sigma_rad)).asDiagonal();
+}
+
 }  // namespace
 
 TrackedScan LaserTracker::track(const LaserScan& scan) {
   std::vector<SurfacePoint> points = surface_points(scan, options_.points);
-  const Se2 step = predict(scan);
+  const Expected expected = predict(scan);
   if (keyframes_.empty()) {
     pose_ = scan.T_odom_laser.value_or(Se2());
     add_keyframe(scan, std::move(points), {});
     return {pose_, 0, true, {}};
   }
-  PointToLineOptions matching = options_.matching;
-  const double sigma_m = options_.least_m + options_.odometry_m * step.translation().norm();
-  const double sigma_rad = options_.least_rad + options_.odometry_rad * std::abs(step.theta());
-  matching.start_information = Eigen::Vector3d(1.0 / (sigma_m * sigma_m), 1.0 / (sigma_m * sigma_m),
-                                               1.0 / (sigma_rad * sigma_rad))
-                                   .asDiagonal();
-  PointToLineMatch match = match_point_to_line(*submap_, points, pose_ * step, matching);
+  PointToLineMatch match = this->match(points, expected);
+  motion_ = pose_.inverse() * match.T_map_scan;
   pose_ = match.T_map_scan;
-  since_ = since_ * step;
-  way_since_ += OdometryNoise::way(step);
+  since_ = since_ * expected.step;
+  way_since_ += expected.way;
   const Se2 since = keyframes_.back().T_odom_laser.inverse() * pose_;
   const bool is_keyframe = since.translation().norm() >= options_.keyframe_distance_m ||
                            std::abs(since.theta()) >= options_.keyframe_angle_rad;
@@ -41,11 +41,41 @@ TrackedScan LaserTracker::track(const LaserScan& scan) {
   return {pose_, keyframes_.size() - 1, is_keyframe, std::move(match)};
 }
 
-Se2 LaserTracker::predict(const LaserScan& scan) {
-  Se2 step;
-  if (scan.T_odom_laser && wheel_) step = wheel_->inverse() * *scan.T_odom_laser;
-  wheel_ = scan.T_odom_laser;
-  return step;
+LaserTracker::Expected LaserTracker::predict(const LaserScan& scan) {
+  const std::optional<Se2> before = std::exchange(wheel_, scan.T_odom_laser);
+  const bool guessed = !before || !wheel_;
+  const Se2 step = guessed ? motion_ : before->inverse() * *wheel_;
+  const double m = step.translation().norm(), rad = std::abs(step.theta());
+  const double way = OdometryNoise::way(step);
+  if (!guessed)
+    return {step, guessed,
+            information_of(options_.least_m + options_.odometry_m * m,
+                           options_.least_rad + options_.odometry_rad * rad),
+            way};
+  const MotionGuessOptions& guess = options_.guess;
+  return {step, guessed,
+          information_of(guess.least_m + guess.share * m, guess.least_rad + guess.share * rad),
+          way + guess.way};
+}
+
+PointToLineMatch LaserTracker::match(const std::vector<SurfacePoint>& points,
+                                     const Expected& expected) {
+  PointToLineOptions matching = options_.matching;
+  matching.start_information = expected.information;
+  PointToLineMatch near = match_point_to_line(*submap_, points, pose_ * expected.step, matching);
+  if (!expected.guessed) return near;
+  const MotionGuessOptions& guess = options_.guess;
+  const auto lines = std::count_if(points.begin(), points.end(),
+                                   [](const SurfacePoint& p) { return !p.normal.isZero(); });
+  if (near.inliers >= guess.least_inliers * static_cast<double>(lines)) return near;
+  if (!submap_grid_)
+    submap_grid_.emplace(
+        std::vector<SurfacePoint>(submap_->points().begin(), submap_->points().end()), guess.grid);
+  const auto found = match_correlative(*submap_grid_, points, pose_ * expected.step, guess.window,
+                                       guess.least_score);
+  if (!found) return near;
+  PointToLineMatch far = match_point_to_line(*submap_, points, found->T_map_scan, matching);
+  return far.inliers > near.inliers ? far : near;
 }
 
 // Both ends of the step were matched with the same surfaces, each with its own error; odometry
@@ -76,6 +106,7 @@ void LaserTracker::add_keyframe(const LaserScan& scan, std::vector<SurfacePoint>
     for (const SurfacePoint& point : moved(keyframes_[k].T_odom_laser, keyframes_[k].points))
       all.push_back(point);
   submap_.emplace(std::move(all), options_.matching.first_reach_m);
+  submap_grid_.reset();
 }
 
 }  // namespace cairn

@@ -7,9 +7,22 @@
 #include <vector>
 
 #include "frontends/laser/odometry_noise.hpp"
+#include "frontends/matching/correlative.hpp"
 #include "frontends/matching/point_to_line.hpp"
 
 namespace cairn {
+
+/// Without odometry the motion from scan to scan is taken to be what it was before. Where surfaces
+/// do not fit there, the scan is searched for around.
+struct MotionGuessOptions {
+  double least_m = 0.05, least_rad = 0.05;  ///< sigmas of the guess: at least, and of its size
+  double share = 0.5;
+  double least_inliers = 0.6;  ///< of the points that have a line; else it is searched for
+  SearchWindow window{0.6, 0.6, 0.6};
+  double least_score = 0.4;
+  LikelihoodGrid::Options grid{};
+  double way = 0.05;  ///< per scan (m or rad), beside its own: how far a guess goes, for its noise
+};
 
 struct LaserTrackerOptions {
   double keyframe_distance_m = 0.3, keyframe_angle_rad = 0.35;
@@ -19,6 +32,7 @@ struct LaserTrackerOptions {
   /// Of the prediction by odometry: per metre, per radian, and at least.
   double odometry_m = 0.1, odometry_rad = 0.1, least_m = 0.01, least_rad = 0.01;
   OdometryNoise::Prior wheels{};  ///< of what holds directions that no surface does
+  MotionGuessOptions guess{};     ///< where scans come without odometry
 };
 
 struct TrackedScan {
@@ -47,7 +61,15 @@ class LaserTracker {
   [[nodiscard]] const std::deque<Keyframe>& keyframes() const { return keyframes_; }
 
  private:
-  Se2 predict(const LaserScan& scan);
+  struct Expected {
+    Se2 step;  ///< from the last scan to this one
+    bool guessed = false;
+    Eigen::Matrix3d information;  ///< of the step (m, rad)
+    double way = 0.0;             ///< that its noise grows with
+  };
+  Expected predict(const LaserScan& scan);
+  [[nodiscard]] PointToLineMatch match(const std::vector<SurfacePoint>& points,
+                                       const Expected& expected);
   Eigen::Matrix3d step_information(const PointToLineMatch& match);
   void add_keyframe(const LaserScan& scan, std::vector<SurfacePoint> points,
                     const PointToLineMatch& match);
@@ -55,9 +77,11 @@ class LaserTracker {
   LaserTrackerOptions options_;
   std::deque<Keyframe> keyframes_;  ///< references stay valid
   std::optional<PointMap> submap_;
-  std::optional<Se2> wheel_;  ///< at the last scan
+  std::optional<LikelihoodGrid> submap_grid_;  ///< of its points, where it was searched
+  std::optional<Se2> wheel_;                   ///< at the last scan
   Se2 pose_;
-  Se2 since_;  ///< the newest keyframe, by prediction alone
+  Se2 motion_;  ///< of the last scan against the one before
+  Se2 since_;   ///< the newest keyframe, by prediction alone
   double way_since_ = 0.0;
   OdometryNoise odometry_;
 };

@@ -4,14 +4,13 @@
 
 #include <cmath>
 
-#include "cairn/evaluation/alignment.hpp"
 #include "cairn/evaluation/relations.hpp"
 #include "cairn/evaluation/statistics.hpp"
-#include "cairn/evaluation/trajectory_error.hpp"
 #include "datasets/random.hpp"
 #include "frontends/carmen/carmen_log.hpp"
 #include "frontends/laser/laser_frontend.hpp"
 #include "frontends/simulated/simulated_drive.hpp"
+#include "tests/frontends/trajectories.hpp"
 #include "tests/support/datasets.hpp"
 #include "tests/support/offline_frontend_host.hpp"
 
@@ -26,11 +25,6 @@ const SimulatedDrive& drive() {
 void run(test::OfflineFrontendHost& host, Frontend& frontend, const std::vector<LaserScan>& scans) {
   const auto done = host.run(frontend, scans);
   ASSERT_TRUE(done) << done.error().to_string();
-}
-
-Se3 in_space(const Se2& T) {
-  const double half = 0.5 * T.theta();
-  return {So3(Eigen::Quaterniond(std::cos(half), 0.0, 0.0, std::sin(half))), {T.x(), T.y(), 0.0}};
 }
 
 Se2 draw_offset(Random& random, double m, double rad) {
@@ -152,14 +146,7 @@ TEST(LaserFrontend, MapsASimulatedBuilding) {
   ASSERT_EQ(host.frames.size(), drive().scans.size());
   EXPECT_GT(host.loops, 0u);
   const std::vector<Se2> found = host.trajectory();
-  std::vector<Se3> truth, estimate;
-  for (std::size_t i = 0; i < found.size(); ++i) {
-    truth.push_back(in_space(drive().truth[i]));
-    estimate.push_back(in_space(found[i]));
-  }
-  const Alignment T_plan_map = align(AlignmentKind::kSe3, truth, estimate, true);
-  for (Se3& T : estimate) T = T_plan_map * T;
-  EXPECT_LT(compute_statistics(absolute_errors(truth, estimate).translation_m).rmse, 0.05);
+  EXPECT_LT(test::aligned_rmse_m(drive().truth, found), 0.05);
 
   // The same bits again; and what a run before has submitted is not sent again.
   LaserFrontend again;
@@ -198,15 +185,9 @@ TEST(LaserFrontend, MapsIntelAsWellAsTheBest) {
   LaserFrontend frontend;
   test::OfflineFrontendHost host;
   run(host, frontend, carmen->scans);
-  const std::vector<Se2> found = host.trajectory();
-  Trajectory estimate;
-  for (std::size_t i = 0; i < found.size(); ++i) {
-    estimate.poses.push_back(
-        {static_cast<std::uint64_t>(host.frames[i].stamp_ns), in_space(found[i])});
-  }
   const auto relations = read_relations(truth->string());
   ASSERT_TRUE(relations) << relations.error().to_string();
-  const auto errors = relation_errors(*relations, estimate);
+  const auto errors = relation_errors(*relations, test::as_trajectory(host));
   ASSERT_TRUE(errors) << errors.error().to_string();
   EXPECT_EQ(errors->errors.translation_m.size(), 2984u);
   EXPECT_TRUE(errors->unmatched.empty());

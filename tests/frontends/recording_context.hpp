@@ -71,6 +71,7 @@ class RecordingContext final : public FrontendContext {
     }
     return *sent_.insert(content_hash(bytes)).first;
   }
+  void tell(const std::string& text) override { EXPECT_FALSE(text.empty()); }
   void localize(const LocalizedFrame& localized) override {
     EXPECT_EQ(localized.keyframe.frame, frame);
     EXPECT_TRUE(localized.T_keyframe_body.to_vector().allFinite());

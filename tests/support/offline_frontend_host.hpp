@@ -34,6 +34,7 @@ class OfflineFrontendHost final : public FrontendContext {
     return content_hash(bytes);
   }
   void localize(const LocalizedFrame& frame) override { frames.push_back(frame); }
+  void tell(const std::string& text) override { told.push_back(text); }
 
   /// From start to stop; the first error ends it.
   Result<void> run(Frontend& frontend, const std::vector<LaserScan>& scans) {
@@ -41,9 +42,9 @@ class OfflineFrontendHost final : public FrontendContext {
     for (const LaserScan& scan : scans) {
       if (auto done = frontend.process(scan); !done) return done;
       if (since_solve_ < 10) continue;
-      if (auto told = tell(frontend); !told) return told;
+      if (auto settled = settle_map(frontend); !settled) return settled;
     }
-    if (auto told = tell(frontend); !told) return told;
+    if (auto settled = settle_map(frontend); !settled) return settled;
     return frontend.stop();
   }
   /// Where the laser was at each frame.
@@ -67,6 +68,7 @@ class OfflineFrontendHost final : public FrontendContext {
   std::size_t keyframes = 0, loops = 0;
   std::vector<LocalizedFrame> frames;
   std::vector<Transaction> taken;  ///< in their order
+  std::vector<std::string> told;
 
  private:
   Result<void> take(Transaction transaction) {
@@ -77,11 +79,11 @@ class OfflineFrontendHost final : public FrontendContext {
     taken.push_back(std::move(transaction));
     return {};
   }
-  Result<void> tell(Frontend& frontend) {
+  Result<void> settle_map(Frontend& frontend) {
     since_solve_ = 0;
-    const SettledEstimate settled = settle(head_.graph());
-    if (!settled.summary.usable()) return Error{ErrorCode::kNotUsable, "the map is not settled"};
-    head_.apply_estimates(changed_estimates(head_.graph(), settled), head_.graph().graph_revision,
+    const SettledEstimate solved = settle(head_.graph());
+    if (!solved.summary.usable()) return Error{ErrorCode::kNotUsable, "the map is not settled"};
+    head_.apply_estimates(changed_estimates(head_.graph(), solved), head_.graph().graph_revision,
                           {1, 0, ++number_});
     MapSnapshot snapshot;
     PoseChunk chunk;
