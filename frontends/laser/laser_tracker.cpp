@@ -19,21 +19,28 @@ Eigen::Matrix3d information_of(double sigma_m, double sigma_rad) {
   return Eigen::Vector3d(m, m, 1.0 / (sigma_rad * sigma_rad)).asDiagonal();
 }
 
+bool same(const Se2& a, const Se2& b) {
+  return a.translation() == b.translation() && a.theta() == b.theta();
+}
+
 }  // namespace
 
 TrackedScan LaserTracker::track(const LaserScan& scan) {
   std::vector<SurfacePoint> points = surface_points(scan, options_.points);
-  const Expected expected = predict(scan);
+  Expected expected = predict(scan);
   if (keyframes_.empty()) {
     pose_ = scan.T_odom_laser.value_or(Se2());
+    wheel_at_ = pose_;
     add_keyframe(scan, std::move(points), {});
     return {pose_, 0, true, {}};
   }
   PointToLineMatch match = this->match(points, expected);
   motion_ = pose_.inverse() * match.T_map_scan;
   pose_ = match.T_map_scan;
+  if (!expected.late) wheel_at_ = pose_;
   since_ = since_ * expected.step;
   way_since_ += expected.way;
+  guessed_since_ = guessed_since_ || expected.guessed;
   const Se2 since = keyframes_.back().T_odom_laser.inverse() * pose_;
   const bool is_keyframe = since.translation().norm() >= options_.keyframe_distance_m ||
                            std::abs(since.theta()) >= options_.keyframe_angle_rad;
@@ -41,41 +48,71 @@ TrackedScan LaserTracker::track(const LaserScan& scan) {
   return {pose_, keyframes_.size() - 1, is_keyframe, std::move(match)};
 }
 
+// Odometry that says exactly the same again, of a robot that was moving, is late: what it says next
+// counts from where it stopped.
 LaserTracker::Expected LaserTracker::predict(const LaserScan& scan) {
-  const std::optional<Se2> before = std::exchange(wheel_, scan.T_odom_laser);
-  const bool guessed = !before || !wheel_;
-  const Se2 step = guessed ? motion_ : before->inverse() * *wheel_;
-  const double m = step.translation().norm(), rad = std::abs(step.theta());
-  const double way = OdometryNoise::way(step);
-  if (!guessed)
-    return {step, guessed,
-            information_of(options_.least_m + options_.odometry_m * m,
-                           options_.least_rad + options_.odometry_rad * rad),
-            way};
+  const std::optional<Se2> before = wheel_;
+  wheel_ = scan.T_odom_laser;
+  if (!before || !wheel_) return guess_motion();
+  const Se2 told = before->inverse() * *wheel_;
   const MotionGuessOptions& guess = options_.guess;
-  return {step, guessed,
-          information_of(guess.least_m + guess.share * m, guess.least_rad + guess.share * rad),
-          way + guess.way};
+  const bool moves =
+      motion_.translation().norm() > guess.least_m || std::abs(motion_.theta()) > guess.least_rad;
+  if (moves && same(*before, *wheel_)) {
+    Expected expected = guess_motion();
+    expected.late = true;
+    return expected;
+  }
+  return {pose_.inverse() * wheel_at_ * told, false, false,
+          information_of(options_.least_m + options_.odometry_m * told.translation().norm(),
+                         options_.least_rad + options_.odometry_rad * std::abs(told.theta())),
+          OdometryNoise::way(told)};
 }
 
-PointToLineMatch LaserTracker::match(const std::vector<SurfacePoint>& points,
-                                     const Expected& expected) {
-  PointToLineOptions matching = options_.matching;
-  matching.start_information = expected.information;
-  PointToLineMatch near = match_point_to_line(*submap_, points, pose_ * expected.step, matching);
-  if (!expected.guessed) return near;
+LaserTracker::Expected LaserTracker::guess_motion() const {
   const MotionGuessOptions& guess = options_.guess;
+  return {motion_, true, false,
+          information_of(guess.least_m + guess.share * motion_.translation().norm(),
+                         guess.least_rad + guess.share * std::abs(motion_.theta())),
+          OdometryNoise::way(motion_) + guess.way};
+}
+
+// Odometry stands unless surfaces fit clearly better elsewhere.
+PointToLineMatch LaserTracker::match(const std::vector<SurfacePoint>& points, Expected& expected) {
   const auto lines = std::count_if(points.begin(), points.end(),
                                    [](const SurfacePoint& p) { return !p.normal.isZero(); });
-  if (near.inliers >= guess.least_inliers * static_cast<double>(lines)) return near;
+  const double enough = options_.guess.least_inliers * static_cast<double>(lines);
+  PointToLineOptions matching = options_.matching;
+  matching.start_information = expected.information;
+  const Se2 told = pose_ * expected.step;
+  PointToLineMatch best = match_point_to_line(*submap_, points, told, matching);
+  if (best.inliers >= enough) return best;
+  const bool late = expected.late;
+  const Expected guess = guess_motion();
+  matching.start_information = guess.information;
+  const auto try_from = [&](const Se2& start) {
+    PointToLineMatch other = match_point_to_line(*submap_, points, start, matching);
+    if (other.inliers <= (expected.guessed ? 1.0 : options_.guess.clearly) * best.inliers) return;
+    best = std::move(other);
+    expected = guess;
+    expected.late = late;
+  };
+  const bool wheels = !expected.guessed;
+  if (wheels) try_from(pose_ * guess.step);
+  if (best.inliers < enough) try_around(points, pose_ * guess.step, try_from);
+  if (best.inliers < enough && wheels) try_around(points, told, try_from);
+  return best;
+}
+
+void LaserTracker::try_around(const std::vector<SurfacePoint>& points, const Se2& T_odom_laser,
+                              const std::function<void(const Se2&)>& try_from) {
   if (!submap_grid_)
     submap_grid_.emplace(
-        std::vector<SurfacePoint>(submap_->points().begin(), submap_->points().end()), guess.grid);
-  const auto found = match_correlative(*submap_grid_, points, pose_ * expected.step, guess.window,
-                                       guess.least_score);
-  if (!found) return near;
-  PointToLineMatch far = match_point_to_line(*submap_, points, found->T_map_scan, matching);
-  return far.inliers > near.inliers ? far : near;
+        std::vector<SurfacePoint>(submap_->points().begin(), submap_->points().end()),
+        options_.guess.grid);
+  const auto found = match_correlative(*submap_grid_, points, T_odom_laser, options_.guess.window,
+                                       options_.guess.least_score);
+  if (found) try_from(found->T_map_scan);
 }
 
 // Both ends of the step were matched with the same surfaces, each with its own error; odometry
@@ -88,7 +125,8 @@ Eigen::Matrix3d LaserTracker::step_information(const PointToLineMatch& match) {
     const Eigen::Matrix3d J = step.adjoint();  // of an error here, as one there
     surfaces = kSharedLines * parallel_sum(surfaces, J.transpose() * before.match_information * J);
   }
-  if (match.free == 0 && match.converged) odometry_.learn(since_, step, surfaces);
+  if (match.free == 0 && match.converged && !guessed_since_)
+    odometry_.learn(since_, step, surfaces);
   return surfaces + odometry_.information(way_since_);
 }
 
@@ -99,6 +137,7 @@ void LaserTracker::add_keyframe(const LaserScan& scan, std::vector<SurfacePoint>
   keyframes_.push_back({scan.stamp_ns, pose_, std::move(points), information, match.information});
   since_ = Se2();
   way_since_ = 0.0;
+  guessed_since_ = false;
   std::vector<SurfacePoint> all;
   const std::size_t first =
       keyframes_.size() - std::min(keyframes_.size(), options_.submap_keyframes);

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <deque>
+#include <functional>
 #include <optional>
 #include <vector>
 
@@ -13,11 +14,13 @@
 namespace cairn {
 
 /// Without odometry the motion from scan to scan is taken to be what it was before. Where surfaces
-/// do not fit there, the scan is searched for around.
+/// do not fit there, or where odometry says (it stops and jumps at times), the scan is searched for
+/// around.
 struct MotionGuessOptions {
   double least_m = 0.05, least_rad = 0.05;  ///< sigmas of the guess: at least, and of its size
   double share = 0.5;
   double least_inliers = 0.6;  ///< of the points that have a line; else it is searched for
+  double clearly = 1.1;        ///< so many times the inliers make another place the better one
   SearchWindow window{0.6, 0.6, 0.6};
   double least_score = 0.4;
   LikelihoodGrid::Options grid{};
@@ -62,14 +65,17 @@ class LaserTracker {
 
  private:
   struct Expected {
-    Se2 step;  ///< from the last scan to this one
-    bool guessed = false;
+    Se2 step;                     ///< from the last scan to this one
+    bool guessed = false;         ///< not by odometry
+    bool late = false;            ///< odometry has not said yet
     Eigen::Matrix3d information;  ///< of the step (m, rad)
     double way = 0.0;             ///< that its noise grows with
   };
   Expected predict(const LaserScan& scan);
-  [[nodiscard]] PointToLineMatch match(const std::vector<SurfacePoint>& points,
-                                       const Expected& expected);
+  [[nodiscard]] Expected guess_motion() const;
+  [[nodiscard]] PointToLineMatch match(const std::vector<SurfacePoint>& points, Expected& expected);
+  void try_around(const std::vector<SurfacePoint>& points, const Se2& T_odom_laser,
+                  const std::function<void(const Se2&)>& try_from);
   Eigen::Matrix3d step_information(const PointToLineMatch& match);
   void add_keyframe(const LaserScan& scan, std::vector<SurfacePoint> points,
                     const PointToLineMatch& match);
@@ -79,10 +85,12 @@ class LaserTracker {
   std::optional<PointMap> submap_;
   std::optional<LikelihoodGrid> submap_grid_;  ///< of its points, where it was searched
   std::optional<Se2> wheel_;                   ///< at the last scan
+  Se2 wheel_at_;                               ///< the pose when it came to be so
   Se2 pose_;
   Se2 motion_;  ///< of the last scan against the one before
   Se2 since_;   ///< the newest keyframe, by prediction alone
   double way_since_ = 0.0;
+  bool guessed_since_ = false;
   OdometryNoise odometry_;
 };
 

@@ -33,7 +33,7 @@ TEST(WithoutOdometry, MapsASimulatedBuilding) {
     EXPECT_GT(host.loops, 0u);
     const double rmse_m = test::aligned_rmse_m(drive.truth, host.trajectory());
     testing::Test::RecordProperty("rmse_m", std::to_string(rmse_m));
-    EXPECT_LT(rmse_m, 0.1);
+    EXPECT_LT(rmse_m, 0.03);
     ASSERT_FALSE(host.told.empty());
     EXPECT_EQ(host.told.front(),
               "the scan stamped 0 ns comes without odometry: its motion is guessed from the one "
@@ -61,8 +61,8 @@ TEST(WithoutOdometry, MapsIntel) {
   const double mean_deg = compute_statistics(errors->errors.rotation_deg).mean;
   testing::Test::RecordProperty("mean_m", std::to_string(mean_m));
   testing::Test::RecordProperty("mean_deg", std::to_string(mean_deg));
-  EXPECT_LT(mean_m, 0.05);
-  EXPECT_LT(mean_deg, 0.6);
+  EXPECT_LT(mean_m, 0.03);
+  EXPECT_LT(mean_deg, 0.35);
 }
 
 PointToLineMatch seen(int free) {

@@ -7,6 +7,7 @@
 #include "cairn/evaluation/alignment.hpp"
 #include "cairn/evaluation/statistics.hpp"
 #include "cairn/evaluation/trajectory_error.hpp"
+#include "cairn/io/trajectory.hpp"
 #include "tests/support/offline_frontend_host.hpp"
 
 namespace cairn::test {
