@@ -55,6 +55,8 @@ Result<void> LaserFrontend::add_keyframe(const LaserScan& scan) {
     optimized_ = newest + 1;
   }
   map_.push_back({T_map_laser, &keyframes[newest].points, keyframes[newest].match_information});
+  if (context_->roles().loop_closer)
+    far_loops_.add_keyframe(map_, step, keyframes[newest].information);
   if (auto sent = submit_keyframe(scan, step); !sent) return sent;
   // A run before this one has sent the loops of its keyframes.
   const bool is_new = newest >= context_->keyframes_before();
@@ -91,9 +93,13 @@ Result<void> LaserFrontend::submit_keyframe(const LaserScan& scan, const Se2& st
   return context_->submit_keyframe(std::move(transaction));
 }
 
+// Where none is nearby, the poses may be off too far.
 Result<void> LaserFrontend::close_loops(std::size_t keyframe) {
+  std::vector<LaserLoop> loops = find_loops(map_, keyframe, options_.loops, far_loops_.far());
+  if (loops.empty()) loops = far_loops_.find(map_);
+  far_loops_.add_loops(loops);
   Transaction transaction;
-  for (const LaserLoop& loop : find_loops(map_, keyframe, options_.loops))
+  for (const LaserLoop& loop : loops)
     add_between(transaction, node(loop.from), node(loop.to), loop.T_from_to, loop.information,
                 FactorKind::kLoop);
   if (transaction.factors.empty()) return {};

@@ -7,6 +7,7 @@
 
 #include "frontends/api/frontend.hpp"
 #include "frontends/laser/blind_stretch.hpp"
+#include "frontends/laser/laser_far_loops.hpp"
 #include "frontends/laser/laser_loop_closer.hpp"
 #include "frontends/laser/laser_tracker.hpp"
 
@@ -15,13 +16,14 @@ namespace cairn {
 struct LaserOptions {
   LaserTrackerOptions tracker{};
   LaserLoopOptions loops{};
+  LaserFarOptions far_loops{};
 };
 
 /// Scans to keyframes and loop closures.
 class LaserFrontend final : public Frontend {
  public:
   explicit LaserFrontend(const LaserOptions& options = {})
-      : options_(options), tracker_(options.tracker) {}
+      : options_(options), tracker_(options.tracker), far_loops_(options.far_loops) {}
 
   Result<void> start(FrontendContext& context) override;
   Result<void> process(const SensorFrame& frame) override;
@@ -37,6 +39,7 @@ class LaserFrontend final : public Frontend {
 
   LaserOptions options_;
   LaserTracker tracker_;
+  LaserFarLoops far_loops_;
   BlindStretch blind_;
   bool told_missing_odometry_ = false;
   FrontendContext* context_ = nullptr;

@@ -135,30 +135,14 @@ Se2 LaserGroundCloser::pose_of(const NodeId& node) const {
   return tracks_.at(node.frame).poses.at(node.index);
 }
 
-// The map of the greater frame in that of the smaller one.
-Se2 LaserGroundCloser::first_map_second_map(const Sighting& s) const {
-  const Se2 T = pose_of(s.from) * s.T_from_to * pose_of(s.to).inverse();
-  return s.from.frame < s.to.frame ? T : T.inverse();
-}
-
-// Whether two sightings put the maps of their frames to each other in the same way, seen from
-// where `b` was: maps drift, so what was long ago says less.
-bool LaserGroundCloser::agree(const Sighting& a, const Sighting& b) const {
-  const Se2 there = pose_of(b.from.frame < b.to.frame ? b.to : b.from);
-  const Se2 apart = (first_map_second_map(a) * there).inverse() * (first_map_second_map(b) * there);
-  return apart.translation().norm() <= options_.agree_m &&
-         std::abs(apart.theta()) <= options_.agree_rad;
-}
-
 // Whether walls of one robot stand where the other looked through: two places that look alike are
 // not the same when what is around them contradicts.
-bool LaserGroundCloser::is_seen_through(const Story& story) const {
+bool LaserGroundCloser::is_seen_through(const Sighting& newest) const {
   constexpr double kNear_m = 8.0, kSame_m = 0.3, kBehind_m = 0.6, kHeadOn = 0.4;
   constexpr std::size_t kMostKeyframes = 60, kEveryPoint = 7;
-  const Sighting& newest = story.sightings.back();
   const auto [first_frame, second_frame] = std::minmax(newest.from.frame, newest.to.frame);
   const Track &first = tracks_.at(first_frame), &second = tracks_.at(second_frame);
-  const Se2 T_first_second = first_map_second_map(newest);
+  const Se2 T_first_second = LoopStories::first_map_second_map(newest, map());
   std::size_t same = 0, through = 0, place = 0;
   const std::size_t every = second.keyframes.size() / kMostKeyframes + 1;
   for (const auto& [index, stored] : second.keyframes) {
@@ -181,40 +165,16 @@ bool LaserGroundCloser::is_seen_through(const Story& story) const {
          options_.most_seen_through * static_cast<double>(same + through);
 }
 
-// Long enough, possible, and no other possible one is about as long.
-bool LaserGroundCloser::convinces(const Story& story, const std::vector<Story>& all) const {
-  if (story.told) return true;
-  if (story.sightings.size() < options_.least_agreeing) return false;
-  const auto way = [&](NodeId Sighting::*end) {
-    const Eigen::Vector2d first = pose_of(story.sightings.front().*end).translation();
-    double farthest = 0.0;
-    for (const Sighting& s : story.sightings)
-      farthest = std::max(farthest, (pose_of(s.*end).translation() - first).norm());
-    return farthest;
-  };
-  if (std::min(way(&Sighting::from), way(&Sighting::to)) < options_.least_way_m ||
-      is_seen_through(story))
-    return false;
-  const double doubt = options_.most_doubt * static_cast<double>(story.sightings.size());
-  return std::none_of(all.begin(), all.end(), [&](const Story& other) {
-    return &other != &story && static_cast<double>(other.sightings.size()) > doubt &&
-           !is_seen_through(other);
-  });
+LoopStories::Map LaserGroundCloser::map() const {
+  return {[this](const NodeId& node) { return pose_of(node); },
+          [this](const Sighting& newest) { return is_seen_through(newest); }};
 }
 
 void LaserGroundCloser::hear(const Sighting& sighting, Transaction& transaction) {
-  std::vector<Story>& all = stories_[std::minmax(sighting.from.frame, sighting.to.frame)];
-  auto story = std::find_if(all.begin(), all.end(), [&](const Story& known) {
-    return agree(known.sightings.back(), sighting);
-  });
-  if (story == all.end()) story = all.insert(all.end(), Story{});
-  story->sightings.push_back(sighting);
-  if (!convinces(*story, all)) return;
-  for (const Sighting& s : story->sightings) {
-    if (story->told && &s != &story->sightings.back()) continue;
+  const auto frames = std::minmax(sighting.from.frame, sighting.to.frame);
+  LoopStories& stories = stories_.try_emplace(frames, options_.stories).first->second;
+  for (const Sighting& s : stories.hear(sighting, map()))
     add_between(transaction, s.from, s.to, s.T_from_to, s.information, FactorKind::kLoop);
-  }
-  story->told = true;
 }
 
 Result<void> LaserGroundCloser::close_loops(const OdometryFrame& frame, std::uint64_t index) {

@@ -10,6 +10,7 @@
 
 #include "frontends/api/frontend.hpp"
 #include "frontends/laser/laser_loop_closer.hpp"
+#include "frontends/laser/loop_stories.hpp"
 #include "frontends/place_recognition/place_descriptor.hpp"
 
 namespace cairn {
@@ -20,14 +21,9 @@ struct LaserGroundOptions {
   LaserLoopOptions anywhere{
       .most_candidates = 3, .window = {2.5, 2.5, 3.15}, .least_score = 0.55, .least_inliers = 0.7};
   float least_similarity = 0.8f;
-  /// What ties two maps: so many matches that say the same, over so long a way of either robot, and
-  /// no other story that has more than this share of them. Corners of corridors look alike.
-  std::size_t least_agreeing = 8;
-  double least_way_m = 12.0;
-  double most_doubt = 0.34;
+  LoopStoryOptions stories{};
   /// Of what one robot saw as surfaces, where the other says something: seen through by it.
   double most_seen_through = 0.12;
-  double agree_m = 0.5, agree_rad = 0.1;  ///< from one match to the next
   std::size_t described = 10;  ///< keyframes before one that make the look of its place, and it
 };
 
@@ -57,17 +53,6 @@ class LaserGroundCloser final : public Frontend {
     std::map<std::uint64_t, Se2> poses;         ///< T_map_body, by index
     std::map<std::uint64_t, Stored> keyframes;  ///< by index; each has a pose
   };
-  /// A keyframe of one frame as seen from one of the other.
-  struct Sighting {
-    NodeId from, to;
-    Se2 T_from_to;
-    Eigen::Matrix3d information;
-  };
-  /// Sightings that put two maps to each other in the same way.
-  struct Story {
-    std::vector<Sighting> sightings;
-    bool told = false;  ///< all but the newest are submitted
-  };
   /// The keyframes of a track, by place.
   struct View {
     std::vector<std::uint64_t> indices;
@@ -82,15 +67,13 @@ class LaserGroundCloser final : public Frontend {
                                                           const Stored& newest) const;
   void hear(const Sighting& sighting, Transaction& transaction);
   [[nodiscard]] Se2 pose_of(const NodeId& node) const;
-  [[nodiscard]] bool agree(const Sighting& a, const Sighting& b) const;
-  [[nodiscard]] Se2 first_map_second_map(const Sighting& sighting) const;
-  [[nodiscard]] bool is_seen_through(const Story& story) const;
-  [[nodiscard]] bool convinces(const Story& story, const std::vector<Story>& all) const;
+  [[nodiscard]] LoopStories::Map map() const;
+  [[nodiscard]] bool is_seen_through(const Sighting& newest) const;
 
   LaserGroundOptions options_;
   FrontendContext* context_ = nullptr;
   std::map<OdometryFrame, Track> tracks_;
-  std::map<std::pair<OdometryFrame, OdometryFrame>, std::vector<Story>> stories_;
+  std::map<std::pair<OdometryFrame, OdometryFrame>, LoopStories> stories_;
 };
 
 }  // namespace cairn

@@ -37,9 +37,11 @@ Eigen::Matrix3d loop_information(const PointToLineMatch& match, const Eigen::Mat
 
 // The nearest first, and none in the submap of another.
 std::vector<std::size_t> near(const std::vector<LoopKeyframe>& keyframes, std::size_t candidates,
-                              const Se2& T_map_laser, const LaserLoopOptions& options) {
+                              const Se2& T_map_laser, const LaserLoopOptions& options,
+                              const std::vector<bool>& far) {
   std::vector<std::pair<double, std::size_t>> ranked;
   for (std::size_t k = 0; k < candidates; ++k) {
+    if (k < far.size() && far[k]) continue;
     const double distance =
         (keyframes[k].T_map_laser.translation() - T_map_laser.translation()).norm();
     if (distance <= options.radius_m) ranked.emplace_back(distance, k);
@@ -80,9 +82,10 @@ std::optional<SubmapMatch> match_submap(const std::vector<LoopKeyframe>& keyfram
 
 std::vector<SubmapMatch> match_near(const std::vector<LoopKeyframe>& keyframes,
                                     std::size_t candidates, std::size_t end,
-                                    const LoopKeyframe& scan, const LaserLoopOptions& options) {
+                                    const LoopKeyframe& scan, const LaserLoopOptions& options,
+                                    const std::vector<bool>& far) {
   std::vector<SubmapMatch> matches;
-  for (const std::size_t at : near(keyframes, candidates, scan.T_map_laser, options)) {
+  for (const std::size_t at : near(keyframes, candidates, scan.T_map_laser, options, far)) {
     const Se2 start = keyframes[at].T_map_laser.inverse() * scan.T_map_laser;
     if (auto match = match_submap(keyframes, at, end, *scan.points, start, options))
       matches.push_back(std::move(*match));
@@ -91,12 +94,12 @@ std::vector<SubmapMatch> match_near(const std::vector<LoopKeyframe>& keyframes,
 }
 
 std::vector<LaserLoop> find_loops(const std::vector<LoopKeyframe>& keyframes, std::size_t to,
-                                  const LaserLoopOptions& options) {
+                                  const LaserLoopOptions& options, const std::vector<bool>& far) {
   std::vector<LaserLoop> loops;
   if (to < options.least_apart) return loops;
   const std::size_t last = to - options.least_apart;
   for (const SubmapMatch& match :
-       match_near(keyframes, last + 1, last + options.least_apart / 2, keyframes[to], options))
+       match_near(keyframes, last + 1, last + options.least_apart / 2, keyframes[to], options, far))
     loops.push_back({match.at, to, match.T_at_scan, match.information});
   return loops;
 }

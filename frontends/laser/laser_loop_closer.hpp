@@ -51,14 +51,16 @@ std::optional<SubmapMatch> match_submap(const std::vector<LoopKeyframe>& keyfram
                                         std::size_t end, const std::vector<SurfacePoint>& scan,
                                         const Se2& T_at_scan, const LaserLoopOptions& options);
 
-/// Against those of the first `candidates` keyframes whose poses are near the scan's; submaps are
-/// of keyframes before `end`.
+/// Against those of the first `candidates` keyframes whose poses are near the scan's, and not
+/// `far`: known too badly to be looked for there. Submaps are of keyframes before `end`.
 std::vector<SubmapMatch> match_near(const std::vector<LoopKeyframe>& keyframes,
                                     std::size_t candidates, std::size_t end,
-                                    const LoopKeyframe& scan, const LaserLoopOptions& options);
+                                    const LoopKeyframe& scan, const LaserLoopOptions& options,
+                                    const std::vector<bool>& far = {});
 
 /// Loops from keyframe `to` to older ones.
 std::vector<LaserLoop> find_loops(const std::vector<LoopKeyframe>& keyframes, std::size_t to,
-                                  const LaserLoopOptions& options = {});
+                                  const LaserLoopOptions& options = {},
+                                  const std::vector<bool>& far = {});
 
 }  // namespace cairn

@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <vector>
+
+#include "frontends/laser/drift_bound.hpp"
+#include "frontends/laser/laser_loop_closer.hpp"
+#include "frontends/laser/loop_stories.hpp"
+#include "frontends/place_recognition/place_descriptor.hpp"
+
+namespace cairn {
+
+struct LaserFarOptions {
+  LaserLoopOptions search{
+      .most_candidates = 3, .window = {1.5, 1.5, 0.5}, .least_score = 0.55, .least_inliers = 0.7};
+  LoopStoryOptions stories{.least_agreeing = 5, .least_way_m = 2.0};
+  float least_similarity = 0.8f;
+  double sigmas = 6.0;   ///< wheels that measure too long err together, not by chance
+  double least_m = 0.7;  ///< of so many sigmas: less lies in the window of loops nearby
+  double most_m = 10.0, most_rad = 3.15;  ///< of a window
+  std::size_t described = 10;  ///< keyframes before one that make the look of its place, and it
+};
+
+/// Loops of one laser's own way where poses may be far off: places that look alike anywhere within
+/// what the constraints leave open, searched over all of that, and kept until some agree.
+class LaserFarLoops {
+ public:
+  explicit LaserFarLoops(const LaserFarOptions& options = {})
+      : options_(options), stories_(options.stories) {}
+
+  /// The newest of `keyframes`, by its motion since the one before it.
+  void add_keyframe(const std::vector<LoopKeyframe>& keyframes, const Se2& T_before_this,
+                    const Eigen::Matrix3d& information);
+  /// Of older keyframes: whether their poses may be off, seen from the newest, by more than loops
+  /// nearby are looked for.
+  [[nodiscard]] std::vector<bool> far() const;
+  void add_loops(const std::vector<LaserLoop>& loops);
+
+  /// From the newest of `keyframes` to older ones that may be further off than loops nearby are
+  /// looked for; and what now agrees with it.
+  std::vector<LaserLoop> find(const std::vector<LoopKeyframe>& keyframes);
+
+ private:
+  struct Candidate {
+    std::size_t at;
+    SearchWindow window;
+  };
+  [[nodiscard]] std::vector<Candidate> candidates(const std::vector<LoopKeyframe>& keyframes) const;
+
+  LaserFarOptions options_;
+  DriftBound drift_;
+  std::vector<DriftBound::Sigmas> sigmas_;  ///< of keyframes, seen from the newest
+  std::vector<PlaceDescriptor> looks_;
+  LoopStories stories_;
+};
+
+}  // namespace cairn
