@@ -35,7 +35,7 @@ void DriftBound::tie(std::size_t from, std::size_t to, const Se2& T,
   ties_[to].push_back({from, T.inverse(), J * covariance * J.transpose()});
 }
 
-std::vector<DriftBound::Sigmas> DriftBound::seen_from(std::size_t keyframe) const {
+std::vector<PoseSigmas> DriftBound::seen_from(std::size_t keyframe) const {
   constexpr double kUnseen = std::numeric_limits<double>::infinity();
   struct Reached {
     double variance;
@@ -64,7 +64,7 @@ std::vector<DriftBound::Sigmas> DriftBound::seen_from(std::size_t keyframe) cons
       open.push({variance, tie.to});
     }
   }
-  std::vector<Sigmas> sigmas(ties_.size());
+  std::vector<PoseSigmas> sigmas(ties_.size());
   for (std::size_t k = 0; k < ties_.size(); ++k)
     sigmas[k] = {std::sqrt(worst_variance(covariances[k])), std::sqrt(covariances[k](2, 2))};
   return sigmas;

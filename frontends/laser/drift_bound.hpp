@@ -8,6 +8,10 @@
 
 namespace cairn {
 
+struct PoseSigmas {
+  double m = 0.0, rad = 0.0;  ///< of the position (its worst direction), of the heading
+};
+
 /// How far keyframes may be off relative to one of them: covariances composed along that path of
 /// constraints which gives the least (Dijkstra projection: Bosse et al., "Simultaneous localization
 /// and map building in large-scale cyclic environments using the Atlas framework", IJRR 2004). What
@@ -20,11 +24,8 @@ class DriftBound {
   void add_loop(std::size_t from, std::size_t to, const Se2& T_from_to,
                 const Eigen::Matrix3d& covariance);
 
-  struct Sigmas {
-    double m = 0.0, rad = 0.0;  ///< of the position (its worst direction), of the heading
-  };
   /// Of each keyframe, seen from one of them.
-  [[nodiscard]] std::vector<Sigmas> seen_from(std::size_t keyframe) const;
+  [[nodiscard]] std::vector<PoseSigmas> seen_from(std::size_t keyframe) const;
 
  private:
   struct Tie {

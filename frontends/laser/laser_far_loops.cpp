@@ -23,13 +23,6 @@ void LaserFarLoops::add_keyframe(const std::vector<LoopKeyframe>& keyframes,
   sigmas_ = drift_.seen_from(keyframes.size() - 1);
 }
 
-std::vector<bool> LaserFarLoops::far() const {
-  std::vector<bool> far;
-  for (const DriftBound::Sigmas& sigmas : sigmas_)
-    far.push_back(options_.sigmas * sigmas.m > options_.least_m);
-  return far;
-}
-
 void LaserFarLoops::add_loops(const std::vector<LaserLoop>& loops) {
   for (const LaserLoop& loop : loops)
     drift_.add_loop(loop.from, loop.to, loop.T_from_to, loop.information.inverse());
@@ -37,18 +30,18 @@ void LaserFarLoops::add_loops(const std::vector<LaserLoop>& loops) {
 
 // Those that look alike most, none in the submap of another.
 std::vector<LaserFarLoops::Candidate> LaserFarLoops::candidates(
-    const std::vector<LoopKeyframe>& keyframes) const {
+    const std::vector<LoopKeyframe>& keyframes, const LaserLoopOptions& nearby) const {
   const LaserLoopOptions& how = options_.search;
   const std::size_t newest = keyframes.size() - 1;
   const Eigen::Vector2d here = keyframes[newest].T_map_laser.translation();
   std::vector<std::pair<float, Candidate>> alike;
   for (std::size_t k = 0; k + how.least_apart <= newest; ++k) {
-    const double m = std::min(options_.sigmas * sigmas_[k].m, options_.most_m);
-    if (m < options_.least_m) continue;
+    if (window_nearby(sigmas_[k], nearby)) continue;
+    const double m = std::min(how.sigmas * sigmas_[k].m, options_.most_m);
     if ((keyframes[k].T_map_laser.translation() - here).norm() > how.radius_m + m) continue;
     const float like = similarity(looks_[newest], looks_[k]);
     if (like < options_.least_similarity) continue;
-    const double rad = std::min(options_.sigmas * sigmas_[k].rad, options_.most_rad);
+    const double rad = std::min(how.sigmas * sigmas_[k].rad, options_.most_rad);
     alike.push_back({like,
                      {k,
                       {how.window.x_m + m, how.window.y_m + m,
@@ -68,10 +61,11 @@ std::vector<LaserFarLoops::Candidate> LaserFarLoops::candidates(
   return chosen;
 }
 
-std::vector<LaserLoop> LaserFarLoops::find(const std::vector<LoopKeyframe>& keyframes) {
+std::vector<LaserLoop> LaserFarLoops::find(const std::vector<LoopKeyframe>& keyframes,
+                                           const LaserLoopOptions& nearby) {
   const std::size_t newest = keyframes.size() - 1;
   std::optional<SubmapMatch> best;
-  for (const Candidate& candidate : candidates(keyframes)) {
+  for (const Candidate& candidate : candidates(keyframes, nearby)) {
     LaserLoopOptions how = options_.search;
     how.window = candidate.window;
     const std::size_t end = newest - how.least_apart + how.least_apart / 2;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <span>
 #include <vector>
 
 #include "frontends/laser/drift_bound.hpp"
@@ -15,8 +16,6 @@ struct LaserFarOptions {
       .most_candidates = 3, .window = {1.5, 1.5, 0.5}, .least_score = 0.55, .least_inliers = 0.7};
   LoopStoryOptions stories{.least_agreeing = 5, .least_way_m = 2.0};
   float least_similarity = 0.8f;
-  double sigmas = 6.0;   ///< wheels that measure too long err together, not by chance
-  double least_m = 0.7;  ///< of so many sigmas: less lies in the window of loops nearby
   double most_m = 10.0, most_rad = 3.15;  ///< of a window
   std::size_t described = 10;  ///< keyframes before one that make the look of its place, and it
 };
@@ -31,25 +30,26 @@ class LaserFarLoops {
   /// The newest of `keyframes`, by its motion since the one before it.
   void add_keyframe(const std::vector<LoopKeyframe>& keyframes, const Se2& T_before_this,
                     const Eigen::Matrix3d& information);
-  /// Of older keyframes: whether their poses may be off, seen from the newest, by more than loops
-  /// nearby are looked for.
-  [[nodiscard]] std::vector<bool> far() const;
+  /// Of all keyframes, seen from the newest.
+  [[nodiscard]] std::span<const PoseSigmas> sigmas() const { return sigmas_; }
   void add_loops(const std::vector<LaserLoop>& loops);
 
-  /// From the newest of `keyframes` to older ones that may be further off than loops nearby are
-  /// looked for; and what now agrees with it.
-  std::vector<LaserLoop> find(const std::vector<LoopKeyframe>& keyframes);
+  /// From the newest of `keyframes` to older ones that are not looked for nearby; and what now
+  /// agrees with it.
+  std::vector<LaserLoop> find(const std::vector<LoopKeyframe>& keyframes,
+                              const LaserLoopOptions& nearby);
 
  private:
   struct Candidate {
     std::size_t at;
     SearchWindow window;
   };
-  [[nodiscard]] std::vector<Candidate> candidates(const std::vector<LoopKeyframe>& keyframes) const;
+  [[nodiscard]] std::vector<Candidate> candidates(const std::vector<LoopKeyframe>& keyframes,
+                                                  const LaserLoopOptions& nearby) const;
 
   LaserFarOptions options_;
   DriftBound drift_;
-  std::vector<DriftBound::Sigmas> sigmas_;  ///< of keyframes, seen from the newest
+  std::vector<PoseSigmas> sigmas_;
   std::vector<PlaceDescriptor> looks_;
   LoopStories stories_;
 };

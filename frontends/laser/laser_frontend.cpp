@@ -95,8 +95,8 @@ Result<void> LaserFrontend::submit_keyframe(const LaserScan& scan, const Se2& st
 
 // Where none is nearby, the poses may be off too far.
 Result<void> LaserFrontend::close_loops(std::size_t keyframe) {
-  std::vector<LaserLoop> loops = find_loops(map_, keyframe, options_.loops, far_loops_.far());
-  if (loops.empty()) loops = far_loops_.find(map_);
+  std::vector<LaserLoop> loops = find_loops(map_, keyframe, options_.loops, far_loops_.sigmas());
+  if (loops.empty()) loops = far_loops_.find(map_, options_.loops);
   far_loops_.add_loops(loops);
   Transaction transaction;
   for (const LaserLoop& loop : loops)

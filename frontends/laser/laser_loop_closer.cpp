@@ -38,10 +38,10 @@ Eigen::Matrix3d loop_information(const PointToLineMatch& match, const Eigen::Mat
 // The nearest first, and none in the submap of another.
 std::vector<std::size_t> near(const std::vector<LoopKeyframe>& keyframes, std::size_t candidates,
                               const Se2& T_map_laser, const LaserLoopOptions& options,
-                              const std::vector<bool>& far) {
+                              std::span<const PoseSigmas> sigmas) {
   std::vector<std::pair<double, std::size_t>> ranked;
   for (std::size_t k = 0; k < candidates; ++k) {
-    if (k < far.size() && far[k]) continue;
+    if (!sigmas.empty() && !window_nearby(sigmas[k], options)) continue;
     const double distance =
         (keyframes[k].T_map_laser.translation() - T_map_laser.translation()).norm();
     if (distance <= options.radius_m) ranked.emplace_back(distance, k);
@@ -80,26 +80,39 @@ std::optional<SubmapMatch> match_submap(const std::vector<LoopKeyframe>& keyfram
                      loop_information(match, keyframes[at].match_information, options), inliers};
 }
 
+std::optional<SearchWindow> window_nearby(const PoseSigmas& sigmas,
+                                          const LaserLoopOptions& options) {
+  const double m = options.sigmas * sigmas.m;
+  const SearchWindow& least = options.least_window;
+  const SearchWindow& most = options.window;
+  if (std::max(least.x_m, least.y_m) + m > std::min(most.x_m, most.y_m)) return std::nullopt;
+  return SearchWindow{least.x_m + m, least.y_m + m,
+                      std::min(least.angle_rad + options.sigmas * sigmas.rad, most.angle_rad)};
+}
+
 std::vector<SubmapMatch> match_near(const std::vector<LoopKeyframe>& keyframes,
                                     std::size_t candidates, std::size_t end,
                                     const LoopKeyframe& scan, const LaserLoopOptions& options,
-                                    const std::vector<bool>& far) {
+                                    std::span<const PoseSigmas> sigmas) {
   std::vector<SubmapMatch> matches;
-  for (const std::size_t at : near(keyframes, candidates, scan.T_map_laser, options, far)) {
+  for (const std::size_t at : near(keyframes, candidates, scan.T_map_laser, options, sigmas)) {
     const Se2 start = keyframes[at].T_map_laser.inverse() * scan.T_map_laser;
-    if (auto match = match_submap(keyframes, at, end, *scan.points, start, options))
+    LaserLoopOptions how = options;
+    if (!sigmas.empty()) how.window = *window_nearby(sigmas[at], options);
+    if (auto match = match_submap(keyframes, at, end, *scan.points, start, how))
       matches.push_back(std::move(*match));
   }
   return matches;
 }
 
 std::vector<LaserLoop> find_loops(const std::vector<LoopKeyframe>& keyframes, std::size_t to,
-                                  const LaserLoopOptions& options, const std::vector<bool>& far) {
+                                  const LaserLoopOptions& options,
+                                  std::span<const PoseSigmas> sigmas) {
   std::vector<LaserLoop> loops;
   if (to < options.least_apart) return loops;
   const std::size_t last = to - options.least_apart;
-  for (const SubmapMatch& match :
-       match_near(keyframes, last + 1, last + options.least_apart / 2, keyframes[to], options, far))
+  for (const SubmapMatch& match : match_near(keyframes, last + 1, last + options.least_apart / 2,
+                                             keyframes[to], options, sigmas))
     loops.push_back({match.at, to, match.T_at_scan, match.information});
   return loops;
 }

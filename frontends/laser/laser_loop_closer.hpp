@@ -3,8 +3,10 @@
 
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <vector>
 
+#include "frontends/laser/drift_bound.hpp"
 #include "frontends/matching/correlative.hpp"
 #include "frontends/matching/point_to_line.hpp"
 
@@ -15,7 +17,11 @@ struct LaserLoopOptions {
   double radius_m = 2.5;            ///< of candidates around the pose, beside its uncertainty
   std::size_t submap_half = 5;      ///< keyframes before and after a candidate make its submap
   std::size_t most_candidates = 2;  ///< per keyframe
-  SearchWindow window{1.5, 1.5, 0.5};
+  /// Poses are trusted to so many sigmas (wheels that measure too long err together, not by
+  /// chance), and to the least window beside. Where that is more than the window, a match nearby
+  /// proves nothing: walls of a corridor fit wherever one stands in it.
+  double sigmas = 6.0;
+  SearchWindow least_window{0.8, 0.8, 0.2}, window{1.5, 1.5, 0.5};
   double least_score = 0.5;
   double least_inliers = 0.6;  ///< of the points that have a line
   LikelihoodGrid::Options grid{};
@@ -51,16 +57,22 @@ std::optional<SubmapMatch> match_submap(const std::vector<LoopKeyframe>& keyfram
                                         std::size_t end, const std::vector<SurfacePoint>& scan,
                                         const Se2& T_at_scan, const LaserLoopOptions& options);
 
-/// Against those of the first `candidates` keyframes whose poses are near the scan's, and not
-/// `far`: known too badly to be looked for there. Submaps are of keyframes before `end`.
+/// Where to look for a scan whose pose relative to a keyframe is known so well; nothing where that
+/// is too badly for loops nearby.
+std::optional<SearchWindow> window_nearby(const PoseSigmas& sigmas,
+                                          const LaserLoopOptions& options);
+
+/// Against those of the first `candidates` keyframes whose poses are near the scan's; submaps are
+/// of keyframes before `end`. `sigmas`: of these keyframes seen from the scan; empty: not known,
+/// and the whole window is searched.
 std::vector<SubmapMatch> match_near(const std::vector<LoopKeyframe>& keyframes,
                                     std::size_t candidates, std::size_t end,
                                     const LoopKeyframe& scan, const LaserLoopOptions& options,
-                                    const std::vector<bool>& far = {});
+                                    std::span<const PoseSigmas> sigmas = {});
 
 /// Loops from keyframe `to` to older ones.
 std::vector<LaserLoop> find_loops(const std::vector<LoopKeyframe>& keyframes, std::size_t to,
                                   const LaserLoopOptions& options = {},
-                                  const std::vector<bool>& far = {});
+                                  std::span<const PoseSigmas> sigmas = {});
 
 }  // namespace cairn

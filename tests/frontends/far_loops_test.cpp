@@ -66,7 +66,7 @@ TEST(DriftBound, ComposesTheErrorsOfAChainBothWays) {
     const std::vector<Step> steps = random_steps(8, seed);
     const DriftBound drift = chain_of(steps);
     const Eigen::Matrix3d expected = composed(steps);
-    const DriftBound::Sigmas last = drift.seen_from(0)[8];
+    const PoseSigmas last = drift.seen_from(0)[8];
     EXPECT_NEAR(last.m, worst_sigma(expected), 1e-12);
     EXPECT_NEAR(last.rad, std::sqrt(expected(2, 2)), 1e-12);
     std::vector<Step> back;
@@ -81,12 +81,12 @@ TEST(DriftBound, ComposesTheErrorsOfAChainBothWays) {
 TEST(DriftBound, TakesTheSurerOfTwoWays) {
   const std::vector<Step> steps = random_steps(30, 7);
   DriftBound drift = chain_of(steps);
-  const std::vector<DriftBound::Sigmas> open = drift.seen_from(30);
+  const std::vector<PoseSigmas> open = drift.seen_from(30);
   Se2 T_first_last;
   for (const Step& step : steps) T_first_last = T_first_last * step.T;
   const Eigen::Matrix3d sure = Eigen::Vector3d(1e-6, 1e-6, 1e-8).asDiagonal();
   drift.add_loop(0, 30, T_first_last, sure);
-  const std::vector<DriftBound::Sigmas> closed = drift.seen_from(30);
+  const std::vector<PoseSigmas> closed = drift.seen_from(30);
   const Eigen::Matrix3d J = T_first_last.adjoint();
   EXPECT_NEAR(closed[0].m, worst_sigma(J * sure * J.transpose()), 1e-12);
   EXPECT_EQ(closed[30].m, 0.0);
