@@ -58,9 +58,7 @@ Result<void> LaserFrontend::add_keyframe(const LaserScan& scan) {
   if (context_->roles().loop_closer)
     far_loops_.add_keyframe(map_, step, keyframes[newest].information);
   if (auto sent = submit_keyframe(scan, step); !sent) return sent;
-  // A run before this one has sent the loops of its keyframes.
-  const bool is_new = newest >= context_->keyframes_before();
-  return context_->roles().loop_closer && is_new ? close_loops(newest) : Result<void>();
+  return context_->roles().loop_closer ? close_loops(newest) : Result<void>();
 }
 
 // What a run before this one has submitted is not sent again, but for the first scan where the
@@ -93,11 +91,13 @@ Result<void> LaserFrontend::submit_keyframe(const LaserScan& scan, const Se2& st
   return context_->submit_keyframe(std::move(transaction));
 }
 
-// Where none is nearby, the poses may be off too far.
+// Where none is nearby, the poses may be off too far. A run before this one has sent the loops of
+// its keyframes: here they only tell how far poses may be off.
 Result<void> LaserFrontend::close_loops(std::size_t keyframe) {
   std::vector<LaserLoop> loops = find_loops(map_, keyframe, options_.loops, far_loops_.sigmas());
   if (loops.empty()) loops = far_loops_.find(map_, options_.loops);
   far_loops_.add_loops(loops);
+  if (keyframe < context_->keyframes_before()) return {};
   Transaction transaction;
   for (const LaserLoop& loop : loops)
     add_between(transaction, node(loop.from), node(loop.to), loop.T_from_to, loop.information,
