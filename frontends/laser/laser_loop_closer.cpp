@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "frontends/laser/laser_loop_closer.hpp"
 
+#include <Eigen/Eigenvalues>
+#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 
@@ -8,6 +10,10 @@
 
 namespace cairn {
 namespace {
+
+// The keyframes of a submap and the scan share lines, and what is wrong with these: measured on the
+// simulated building over 60 seeds.
+constexpr double kSharedLines = 1.65;
 
 std::vector<SurfacePoint> submap_around(const std::vector<LoopKeyframe>& keyframes, std::size_t at,
                                         std::size_t half, std::size_t end) {
@@ -21,18 +27,49 @@ std::vector<SurfacePoint> submap_around(const std::vector<LoopKeyframe>& keyfram
   return all;
 }
 
+double score_of(const LikelihoodGrid& grid, const std::vector<SurfacePoint>& scan,
+                const Se2& T_at_scan) {
+  std::int64_t sum = 0;
+  for (const SurfacePoint& point : scan) {
+    const Eigen::Vector2d p = (T_at_scan * point.position - grid.origin()) / grid.cell_m();
+    sum += grid.at(0, static_cast<int>(std::floor(p.x())), static_cast<int>(std::floor(p.y())));
+  }
+  return static_cast<double>(sum) / (255.0 * static_cast<double>(scan.size()));
+}
+
+// Covariance of what else the scan could be, shifted along the direction that its surfaces fix
+// least: half as far as it fits as well. A place may look like the one beside it (after Olson,
+// "Real-time correlative scan matching", ICRA 2009, who measures all covariances from scores).
+Eigen::Matrix3d covariance_of_rivals(const LikelihoodGrid& grid,
+                                     const std::vector<SurfacePoint>& scan,
+                                     const PointToLineMatch& match,
+                                     const LaserLoopOptions& options) {
+  Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> solver;
+  solver.computeDirect(match.information.topLeftCorner<2, 2>());
+  const Eigen::Vector2d along = solver.eigenvectors().col(0);
+  const double least = score_of(grid, scan, match.T_map_scan) - options.score_margin;
+  double farthest = 0.0;
+  for (double m = grid.cell_m(); m <= options.farthest_rival_m; m += grid.cell_m())
+    for (const double shift : {-m, m})
+      if (score_of(grid, scan, match.T_map_scan * Se2(So2(), shift * along)) >= least) farthest = m;
+  Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
+  covariance.topLeftCorner<2, 2>() = 0.25 * farthest * farthest * along * along.transpose();
+  return covariance;
+}
+
 // The candidate lies in its submap with an error of its own; in a free direction the match says
 // nothing.
-Eigen::Matrix3d loop_information(const PointToLineMatch& match, const Eigen::Matrix3d& candidate,
+Eigen::Matrix3d loop_information(const PointToLineMatch& match, const Eigen::Matrix3d& rivals,
+                                 const Eigen::Matrix3d& candidate,
                                  const LaserLoopOptions& options) {
   const Eigen::Matrix3d J = match.T_map_scan.adjoint();
   Eigen::Matrix3d information = match.information;
   if (!candidate.isZero()) information = parallel_sum(information, J.transpose() * candidate * J);
   const double m = std::pow(options.submap_sigma_m, -2);
   const double rad = std::pow(options.submap_sigma_rad, -2);
-  information = parallel_sum(information, Eigen::Vector3d(m, m, rad).asDiagonal());
+  information = kSharedLines * parallel_sum(information, Eigen::Vector3d(m, m, rad).asDiagonal());
   information.diagonal() += Eigen::Vector3d(1e-2, 1e-2, 1e-1);
-  return information;
+  return (information.inverse() + rivals).inverse();
 }
 
 // The nearest first, and none in the submap of another.
@@ -77,7 +114,9 @@ std::optional<SubmapMatch> match_submap(const std::vector<LoopKeyframe>& keyfram
       lines > 0 ? static_cast<double>(match.inliers) / static_cast<double>(lines) : 0.0;
   if (inliers < options.least_inliers) return std::nullopt;
   return SubmapMatch{at, match.T_map_scan,
-                     loop_information(match, keyframes[at].match_information, options), inliers};
+                     loop_information(match, covariance_of_rivals(grid, scan, match, options),
+                                      keyframes[at].match_information, options),
+                     inliers};
 }
 
 std::optional<SearchWindow> window_nearby(const PoseSigmas& sigmas,

@@ -24,6 +24,9 @@ struct LaserLoopOptions {
   SearchWindow least_window{0.8, 0.8, 0.2}, window{1.5, 1.5, 0.5};
   double least_score = 0.5;
   double least_inliers = 0.6;  ///< of the points that have a line
+  /// Shifted so far at most, the scan is tried whether it fits as well, but for so much of the
+  /// score.
+  double farthest_rival_m = 1.0, score_margin = 0.005;
   LikelihoodGrid::Options grid{};
   PointToLineOptions matching{.first_reach_m = 0.25};
   /// How far a submap is bent: of the poses in it, relative to the candidate.

@@ -59,33 +59,20 @@ std::vector<Constraint> constraints_of_20_drives() {
 
 // The mean over N constraints is chi2 with 3 N degrees of freedom over N: 95 % of it within 1.96
 // sqrt(6 / N) of 3.
-void expect_tracker_in_its_band(const std::vector<Constraint>& constraints) {
-  double sum = 0.0, count = 0.0;
+void expect_in_band(const std::vector<Constraint>& constraints, bool loops, double at_least) {
+  double sum = 0.0, count = 0.0, worst = 0.0;
   for (const Constraint& constraint : constraints) {
-    if (constraint.loop) continue;
+    if (constraint.loop != loops) continue;
     sum += constraint.nees;
+    worst = std::max(worst, constraint.nees);
     ++count;
   }
-  ASSERT_GT(count, 8000.0);
-  EXPECT_NEAR(sum / count, 3.0, 1.96 * std::sqrt(6.0 / count));
-}
-
-// Loops share submaps, so their errors have heavy tails, and a few are false, which is the gate's
-// matter: half of them lie below the median of chi2, give or take, and few far above.
-void expect_loops_near_their_band(const std::vector<Constraint>& constraints) {
-  std::vector<double> nees;
-  for (const Constraint& constraint : constraints)
-    if (constraint.loop) nees.push_back(constraint.nees);
-  ASSERT_GT(nees.size(), 1000u);
-  std::sort(nees.begin(), nees.end());
-  const auto share_below = [&](double value) {
-    return static_cast<double>(std::lower_bound(nees.begin(), nees.end(), value) - nees.begin()) /
-           static_cast<double>(nees.size());
-  };
-  testing::Test::RecordProperty("median", std::to_string(nees[nees.size() / 2]));
-  EXPECT_NEAR(share_below(2.366), 0.5, 0.25);
-  EXPECT_NEAR(share_below(7.815), 0.95, 0.04);
-  EXPECT_GT(share_below(50.0), 0.99);
+  ASSERT_GT(count, at_least);
+  EXPECT_NEAR(sum / count, 3.0, 1.96 * std::sqrt(6.0 / count)) << (loops ? "loops" : "tracker");
+  testing::Test::RecordProperty(loops ? "worst_loop" : "worst_step", std::to_string(worst));
+  if (loops) {
+    EXPECT_LT(worst, 50.0) << "a false one";
+  }
 }
 
 // The middle third of the northern corridor shows two parallel walls and nothing else. Matches say
@@ -109,8 +96,8 @@ void expect_more_along_a_corridor_than_across(const std::vector<Constraint>& con
 // One test, since ctest runs each in a process of its own and the drives are what takes long.
 TEST(Covariances, SayHowWrongConstraintsAre) {
   const std::vector<Constraint> constraints = constraints_of_20_drives();
-  expect_tracker_in_its_band(constraints);
-  expect_loops_near_their_band(constraints);
+  expect_in_band(constraints, false, 8000.0);
+  expect_in_band(constraints, true, 1000.0);
   expect_more_along_a_corridor_than_across(constraints);
 }
 
