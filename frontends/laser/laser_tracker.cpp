@@ -35,6 +35,7 @@ TrackedScan LaserTracker::track(const LaserScan& scan) {
     return {pose_, 0, true, {}};
   }
   PointToLineMatch match = this->match(points, expected);
+  sees_ = match.free == 0;
   motion_ = pose_.inverse() * match.T_map_scan;
   pose_ = match.T_map_scan;
   if (!expected.late) wheel_at_ = pose_;
@@ -48,8 +49,8 @@ TrackedScan LaserTracker::track(const LaserScan& scan) {
   return {pose_, keyframes_.size() - 1, is_keyframe, std::move(match)};
 }
 
-// Odometry that says exactly the same again, of a robot that was moving, is late: what it says next
-// counts from where it stopped.
+// Odometry that says exactly the same again, of a robot that scans have just shown moving, is late:
+// what it says next counts from where it stopped. Where scans leave a direction free, it stands.
 LaserTracker::Expected LaserTracker::predict(const LaserScan& scan) {
   const std::optional<Se2> before = wheel_;
   wheel_ = scan.T_odom_laser;
@@ -58,7 +59,7 @@ LaserTracker::Expected LaserTracker::predict(const LaserScan& scan) {
   const MotionGuessOptions& guess = options_.guess;
   const bool moves =
       motion_.translation().norm() > guess.least_m || std::abs(motion_.theta()) > guess.least_rad;
-  if (moves && same(*before, *wheel_)) {
+  if (moves && sees_ && same(*before, *wheel_)) {
     Expected expected = guess_motion();
     expected.late = true;
     return expected;
@@ -111,7 +112,7 @@ void LaserTracker::try_around(const std::vector<SurfacePoint>& points, const Se2
         std::vector<SurfacePoint>(submap_->points().begin(), submap_->points().end()),
         options_.guess.grid);
   const auto found = match_correlative(*submap_grid_, points, T_odom_laser, options_.guess.window,
-                                       options_.guess.least_score);
+                                       options_.guess.least_score, options_.guess.most_lookups);
   if (found) try_from(found->T_map_scan);
 }
 

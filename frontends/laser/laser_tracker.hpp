@@ -23,6 +23,7 @@ struct MotionGuessOptions {
   double clearly = 1.1;        ///< so many times the inliers make another place the better one
   SearchWindow window{0.6, 0.6, 0.6};
   double least_score = 0.4;
+  std::int64_t most_lookups = 20'000'000;
   LikelihoodGrid::Options grid{};
   double way = 0.05;  ///< per scan (m or rad), beside its own: how far a guess goes, for its noise
 };
@@ -87,8 +88,9 @@ class LaserTracker {
   std::optional<Se2> wheel_;                   ///< at the last scan
   Se2 wheel_at_;                               ///< the pose when it came to be so
   Se2 pose_;
-  Se2 motion_;  ///< of the last scan against the one before
-  Se2 since_;   ///< the newest keyframe, by prediction alone
+  Se2 motion_;         ///< of the last scan against the one before
+  bool sees_ = false;  ///< the last scan left no direction free
+  Se2 since_;          ///< the newest keyframe, by prediction alone
   double way_since_ = 0.0;
   bool guessed_since_ = false;
   OdometryNoise odometry_;

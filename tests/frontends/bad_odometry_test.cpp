@@ -2,6 +2,7 @@
 // Wheels whose counts come late, or jump: scans say where the robot is all the same.
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <functional>
 
 #include "frontends/laser/laser_tracker.hpp"
@@ -42,6 +43,19 @@ TEST(BadOdometry, ThatJumpsDoesNotBendTheWay) {
     });
     EXPECT_LT(jumped_m, 1.5 * undisturbed_m + 0.01) << undisturbed_m;
   }
+}
+
+// Nothing but wheels says there that the robot does not drive on.
+TEST(BadOdometry, OfARobotThatStopsInABareCorridorIsBelieved) {
+  const SimulatedDrive drive = simulate_drive({.seed = 3});
+  std::size_t at = 0;
+  while (drive.truth[at].y() < 20.0 || std::abs(drive.truth[at].x() - 17.0) > 1.0) ++at;
+  LaserTracker tracker;
+  for (std::size_t i = 0; i <= at; ++i) tracker.track(drive.scans[i]);
+  const Se2 stop = tracker.track(drive.scans[at]).T_odom_laser;
+  Se2 later;
+  for (int i = 0; i < 200; ++i) later = tracker.track(drive.scans[at]).T_odom_laser;
+  EXPECT_LT((stop.inverse() * later).translation().norm(), 0.02);
 }
 
 }  // namespace
