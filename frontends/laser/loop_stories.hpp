@@ -41,8 +41,8 @@ class LoopStories {
   /// What is to be believed now that was not before.
   std::vector<Sighting> hear(const Sighting& sighting, const Map& map);
 
-  /// The map of the greater frame in that of the smaller one; within one frame, where the newer
-  /// poses should be put by a motion from their left.
+  /// The map of the greater frame in that of the smaller one. Within one frame: what older poses
+  /// are to be moved by, from the left, to lie where the newer ones put them.
   static Se2 first_map_second_map(const Sighting& sighting, const Map& map);
 
  private:
