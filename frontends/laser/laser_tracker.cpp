@@ -78,7 +78,8 @@ LaserTracker::Expected LaserTracker::guess_motion() const {
           OdometryNoise::way(motion_) + guess.way};
 }
 
-// Odometry stands unless surfaces fit clearly better elsewhere.
+// Odometry stands unless surfaces fit clearly better elsewhere, with hardly one that does not: few
+// beams find a better fit somewhere in any room.
 PointToLineMatch LaserTracker::match(const std::vector<SurfacePoint>& points, Expected& expected) {
   const auto lines = std::count_if(points.begin(), points.end(),
                                    [](const SurfacePoint& p) { return !p.normal.isZero(); });
@@ -93,7 +94,11 @@ PointToLineMatch LaserTracker::match(const std::vector<SurfacePoint>& points, Ex
   matching.start_information = guess.information;
   const auto try_from = [&](const Se2& start) {
     PointToLineMatch other = match_point_to_line(*submap_, points, start, matching);
-    if (other.inliers <= (expected.guessed ? 1.0 : options_.guess.clearly) * best.inliers) return;
+    const bool is_clean = other.inliers >= options_.guess.clean * other.matched;
+    const bool is_better = expected.guessed
+                               ? other.inliers > best.inliers
+                               : is_clean && other.inliers > options_.guess.clearly * best.inliers;
+    if (!is_better) return;
     best = std::move(other);
     expected = guess;
     expected.late = late;

@@ -20,7 +20,9 @@ struct MotionGuessOptions {
   double least_m = 0.05, least_rad = 0.05;  ///< sigmas of the guess: at least, and of its size
   double share = 0.5;
   double least_inliers = 0.6;  ///< of the points that have a line; else it is searched for
-  double clearly = 1.1;        ///< so many times the inliers make another place the better one
+  /// So many times the inliers elsewhere overrule odometry, where they are this share of the points
+  /// that have a counterpart at all.
+  double clearly = 1.1, clean = 0.95;
   SearchWindow window{0.6, 0.6, 0.6};
   double least_score = 0.4;
   std::int64_t most_lookups = 20'000'000;
