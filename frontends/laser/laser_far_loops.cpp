@@ -9,9 +9,11 @@
 namespace cairn {
 
 void LaserFarLoops::add_keyframe(const std::vector<LoopKeyframe>& keyframes,
-                                 const Se2& T_before_this, const Eigen::Matrix3d& information) {
+                                 const Se2& T_before_this, const Eigen::Matrix3d& information,
+                                 const std::optional<LaserLoop>& left) {
   drift_.add_keyframe(T_before_this, keyframes.size() > 1 ? Eigen::Matrix3d(information.inverse())
                                                           : Eigen::Matrix3d::Zero());
+  if (left) add_loops({*left});
   const Se2 T_this_map = keyframes.back().T_map_laser.inverse();
   std::vector<SurfacePoint> around;
   const std::size_t first = keyframes.size() - std::min(keyframes.size(), options_.described + 1);

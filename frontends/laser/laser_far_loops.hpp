@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -27,9 +28,10 @@ class LaserFarLoops {
   explicit LaserFarLoops(const LaserFarOptions& options = {})
       : options_(options), stories_(options.stories) {}
 
-  /// The newest of `keyframes`, by its motion since the one before it.
+  /// The newest of `keyframes`, by its motion since the one before it, and since the one that the
+  /// robot was at then if it is another.
   void add_keyframe(const std::vector<LoopKeyframe>& keyframes, const Se2& T_before_this,
-                    const Eigen::Matrix3d& information);
+                    const Eigen::Matrix3d& information, const std::optional<LaserLoop>& left);
   /// Of all keyframes, seen from the newest.
   [[nodiscard]] std::span<const PoseSigmas> sigmas() const { return sigmas_; }
   void add_loops(const std::vector<LaserLoop>& loops);

@@ -11,6 +11,10 @@ namespace cairn {
 
 Result<void> LaserFrontend::start(FrontendContext& context) {
   context_ = &context;
+  // Keyframes left out are not there to close loops: who finds them, leaves them out.
+  LaserTrackerOptions tracker = options_.tracker;
+  tracker.know_places = tracker.know_places && context.roles().loop_closer;
+  tracker_.emplace(tracker);
   return {};
 }
 
@@ -21,10 +25,8 @@ NodeId LaserFrontend::node(std::size_t keyframe) const {
 Result<void> LaserFrontend::process(const SensorFrame& frame) {
   const auto& scan = std::get<LaserScan>(frame);
   tell_missing_odometry(scan);
-  const TrackedScan tracked = tracker_.track(scan);
-  const LaserTracker::Keyframe& keyframe = tracker_.keyframes()[tracked.keyframe];
-  context_->localize({scan.stamp_ns, node(tracked.keyframe),
-                      keyframe.T_odom_laser.inverse() * tracked.T_odom_laser});
+  const TrackedScan tracked = tracker_->track(scan);
+  context_->localize({scan.stamp_ns, node(tracked.keyframe), tracked.T_keyframe_laser});
   if (const auto news = blind_.take(tracked.match, tracked.keyframe)) context_->tell(*news);
   return tracked.is_keyframe ? add_keyframe(scan) : Result<void>();
 }
@@ -42,13 +44,13 @@ Result<void> LaserFrontend::stop() {
 }
 
 Result<void> LaserFrontend::add_keyframe(const LaserScan& scan) {
-  const auto& keyframes = tracker_.keyframes();
+  const auto& keyframes = tracker_->keyframes();
   const std::size_t newest = keyframes.size() - 1;
   Se2 step;
   Se2 T_map_laser = keyframes[newest].T_odom_laser;
   if (newest > 0) {
     step = keyframes[newest - 1].T_odom_laser.inverse() * keyframes[newest].T_odom_laser;
-    T_map_laser = map_.back().T_map_laser * step;
+    T_map_laser = continued(newest);
   }
   if (const auto told = ahead_.extract(newest)) {
     T_map_laser = told.mapped();
@@ -56,7 +58,7 @@ Result<void> LaserFrontend::add_keyframe(const LaserScan& scan) {
   }
   map_.push_back({T_map_laser, &keyframes[newest].points, keyframes[newest].match_information});
   if (context_->roles().loop_closer)
-    far_loops_.add_keyframe(map_, step, keyframes[newest].information);
+    far_loops_.add_keyframe(map_, step, keyframes[newest].information, keyframes[newest].left);
   if (auto sent = submit_keyframe(scan, step); !sent) return sent;
   return context_->roles().loop_closer ? close_loops(newest) : Result<void>();
 }
@@ -64,7 +66,7 @@ Result<void> LaserFrontend::add_keyframe(const LaserScan& scan) {
 // What a run before this one has submitted is not sent again, but for the first scan where the
 // second keyframe, which names it, is still to come.
 Result<void> LaserFrontend::submit_keyframe(const LaserScan& scan, const Se2& step) {
-  const auto& keyframes = tracker_.keyframes();
+  const auto& keyframes = tracker_->keyframes();
   const std::size_t newest = keyframes.size() - 1;
   const std::uint64_t before = context_->keyframes_before();
   if (newest < before && (newest > 0 || before > 1)) return {};
@@ -91,12 +93,28 @@ Result<void> LaserFrontend::submit_keyframe(const LaserScan& scan, const Se2& st
   return context_->submit_keyframe(std::move(transaction));
 }
 
+// A keyframe in the map, by those before it.
+Se2 LaserFrontend::continued(std::size_t keyframe) const {
+  const LaserKeyframe& here = tracker_->keyframes()[keyframe];
+  if (here.left) return map_[here.left->from].T_map_laser * here.left->T_from_to;
+  const Se2& T_odom_before = tracker_->keyframes()[keyframe - 1].T_odom_laser;
+  return map_[keyframe - 1].T_map_laser * (T_odom_before.inverse() * here.T_odom_laser);
+}
+
 // Where none is nearby, the poses may be off too far. A run before this one has sent the loops of
 // its keyframes: here they only tell how far poses may be off.
 Result<void> LaserFrontend::close_loops(std::size_t keyframe) {
   std::vector<LaserLoop> loops = find_loops(map_, keyframe, options_.loops, far_loops_.sigmas());
   if (loops.empty()) loops = far_loops_.find(map_, options_.loops);
   far_loops_.add_loops(loops);
+  if (const auto& left = tracker_->keyframes()[keyframe].left) {
+    // The same surfaces again, with the same errors.
+    std::erase_if(loops, [&](const LaserLoop& loop) {
+      return std::max(loop.from, left->from) - std::min(loop.from, left->from) <=
+             2 * options_.loops.submap_half;
+    });
+    loops.push_back(*left);
+  }
   if (keyframe < context_->keyframes_before()) return {};
   Transaction transaction;
   for (const LaserLoop& loop : loops)
@@ -121,10 +139,8 @@ void LaserFrontend::on_snapshot(const MapSnapshot& snapshot) {
       optimized_ = std::max(optimized_, static_cast<std::size_t>(pose.index) + 1);
     }
   }
-  const auto& keyframes = tracker_.keyframes();
   for (std::size_t k = std::max<std::size_t>(optimized_, 1); k < map_.size(); ++k)
-    map_[k].T_map_laser = map_[k - 1].T_map_laser *
-                          (keyframes[k - 1].T_odom_laser.inverse() * keyframes[k].T_odom_laser);
+    map_[k].T_map_laser = continued(k);
 }
 
 }  // namespace cairn

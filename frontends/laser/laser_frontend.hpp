@@ -23,7 +23,7 @@ struct LaserOptions {
 class LaserFrontend final : public Frontend {
  public:
   explicit LaserFrontend(const LaserOptions& options = {})
-      : options_(options), tracker_(options.tracker), far_loops_(options.far_loops) {}
+      : options_(options), far_loops_(options.far_loops) {}
 
   Result<void> start(FrontendContext& context) override;
   Result<void> process(const SensorFrame& frame) override;
@@ -34,11 +34,12 @@ class LaserFrontend final : public Frontend {
   Result<void> add_keyframe(const LaserScan& scan);
   Result<void> submit_keyframe(const LaserScan& scan, const Se2& T_before_newest);
   Result<void> close_loops(std::size_t keyframe);
+  [[nodiscard]] Se2 continued(std::size_t keyframe) const;
   [[nodiscard]] NodeId node(std::size_t keyframe) const;
   void tell_missing_odometry(const LaserScan& scan);
 
   LaserOptions options_;
-  LaserTracker tracker_;
+  std::optional<LaserTracker> tracker_;  ///< since start()
   LaserFarLoops far_loops_;
   BlindStretch blind_;
   bool told_missing_odometry_ = false;

@@ -15,18 +15,6 @@ namespace {
 // simulated building over 60 seeds.
 constexpr double kSharedLines = 1.65;
 
-std::vector<SurfacePoint> submap_around(const std::vector<LoopKeyframe>& keyframes, std::size_t at,
-                                        std::size_t half, std::size_t end) {
-  std::vector<SurfacePoint> all;
-  const Se2 T_at_map = keyframes[at].T_map_laser.inverse();
-  const std::size_t first = at - std::min(at, half), last = std::min(at + half, end - 1);
-  for (std::size_t k = first; k <= last; ++k)
-    for (const SurfacePoint& point :
-         moved(T_at_map * keyframes[k].T_map_laser, *keyframes[k].points))
-      all.push_back(point);
-  return all;
-}
-
 double score_of(const LikelihoodGrid& grid, const std::vector<SurfacePoint>& scan,
                 const Se2& T_at_scan) {
   std::int64_t sum = 0;
@@ -57,21 +45,6 @@ Eigen::Matrix3d covariance_of_rivals(const LikelihoodGrid& grid,
   return covariance;
 }
 
-// The candidate lies in its submap with an error of its own; in a free direction the match says
-// nothing.
-Eigen::Matrix3d loop_information(const PointToLineMatch& match, const Eigen::Matrix3d& rivals,
-                                 const Eigen::Matrix3d& candidate,
-                                 const LaserLoopOptions& options) {
-  const Eigen::Matrix3d J = match.T_map_scan.adjoint();
-  Eigen::Matrix3d information = match.information;
-  if (!candidate.isZero()) information = parallel_sum(information, J.transpose() * candidate * J);
-  const double m = std::pow(options.submap_sigma_m, -2);
-  const double rad = std::pow(options.submap_sigma_rad, -2);
-  information = kSharedLines * parallel_sum(information, Eigen::Vector3d(m, m, rad).asDiagonal());
-  information.diagonal() += Eigen::Vector3d(1e-2, 1e-2, 1e-1);
-  return (information.inverse() + rivals).inverse();
-}
-
 // The nearest first, and none in the submap of another.
 std::vector<std::size_t> near(const std::vector<LoopKeyframe>& keyframes, std::size_t candidates,
                               const Se2& T_map_laser, const LaserLoopOptions& options,
@@ -97,6 +70,33 @@ std::vector<std::size_t> near(const std::vector<LoopKeyframe>& keyframes, std::s
 }
 
 }  // namespace
+
+std::vector<SurfacePoint> submap_around(const std::vector<LoopKeyframe>& keyframes, std::size_t at,
+                                        std::size_t half, std::size_t end) {
+  std::vector<SurfacePoint> all;
+  const Se2 T_at_map = keyframes[at].T_map_laser.inverse();
+  const std::size_t first = at - std::min(at, half), last = std::min(at + half, end - 1);
+  for (std::size_t k = first; k <= last; ++k)
+    for (const SurfacePoint& point :
+         moved(T_at_map * keyframes[k].T_map_laser, *keyframes[k].points))
+      all.push_back(point);
+  return all;
+}
+
+// The candidate lies in its submap with an error of its own; in a free direction the match says
+// nothing.
+Eigen::Matrix3d loop_information(const PointToLineMatch& match, const Eigen::Matrix3d& rivals,
+                                 const Eigen::Matrix3d& candidate,
+                                 const LaserLoopOptions& options) {
+  const Eigen::Matrix3d J = match.T_map_scan.adjoint();
+  Eigen::Matrix3d information = match.information;
+  if (!candidate.isZero()) information = parallel_sum(information, J.transpose() * candidate * J);
+  const double m = std::pow(options.submap_sigma_m, -2);
+  const double rad = std::pow(options.submap_sigma_rad, -2);
+  information = kSharedLines * parallel_sum(information, Eigen::Vector3d(m, m, rad).asDiagonal());
+  information.diagonal() += Eigen::Vector3d(1e-2, 1e-2, 1e-1);
+  return (information.inverse() + rivals).inverse();
+}
 
 std::optional<SubmapMatch> match_submap(const std::vector<LoopKeyframe>& keyframes, std::size_t at,
                                         std::size_t end, const std::vector<SurfacePoint>& scan,

@@ -46,6 +46,17 @@ struct LaserLoop {
   Eigen::Matrix3d information;  ///< of T_from_to (m, rad), positive definite
 };
 
+/// What keyframes `at` - `half` .. `at` + `half` have seen, of those before `end`, in the frame of
+/// `at`.
+std::vector<SurfacePoint> submap_around(const std::vector<LoopKeyframe>& keyframes, std::size_t at,
+                                        std::size_t half, std::size_t end);
+
+/// Of the pose of a scan relative to a keyframe (m, rad), where it was matched with the submap of
+/// that; positive definite. `rivals`: covariance of what else it could be. `candidate`: information
+/// of the keyframe's pose in its submap.
+Eigen::Matrix3d loop_information(const PointToLineMatch& match, const Eigen::Matrix3d& rivals,
+                                 const Eigen::Matrix3d& candidate, const LaserLoopOptions& options);
+
 /// Where a scan lies among the keyframes of a trajectory.
 struct SubmapMatch {
   std::size_t at;  ///< keyframe

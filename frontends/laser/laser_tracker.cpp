@@ -32,7 +32,7 @@ TrackedScan LaserTracker::track(const LaserScan& scan) {
     pose_ = scan.T_odom_laser.value_or(Se2());
     wheel_at_ = pose_;
     add_keyframe(scan, std::move(points), {});
-    return {pose_, 0, true, {}};
+    return {pose_, 0, Se2(), true, {}};
   }
   PointToLineMatch match = this->match(points, expected);
   sees_ = match.free == 0;
@@ -42,11 +42,19 @@ TrackedScan LaserTracker::track(const LaserScan& scan) {
   since_ = since_ * expected.step;
   way_since_ += expected.way;
   guessed_since_ = guessed_since_ || expected.guessed;
-  const Se2 since = keyframes_.back().T_odom_laser.inverse() * pose_;
-  const bool is_keyframe = since.translation().norm() >= options_.keyframe_distance_m ||
-                           std::abs(since.theta()) >= options_.keyframe_angle_rad;
+  if (at_.is_known_place) {
+    detour_way_ += expected.way;
+    blind_way_ = sees_ ? 0.0 : blind_way_ + expected.way;
+  }
+  const Se2 since = due_from_.inverse() * pose_;
+  const bool is_due = since.translation().norm() >= options_.keyframe_distance_m ||
+                      std::abs(since.theta()) >= options_.keyframe_angle_rad;
+  const auto place = is_due && options_.know_places ? places_.find(points, pose_) : std::nullopt;
+  if (place) stand_at(*place);
+  const bool is_keyframe = is_due && !place;
   if (is_keyframe) add_keyframe(scan, std::move(points), match);
-  return {pose_, keyframes_.size() - 1, is_keyframe, std::move(match)};
+  return {pose_, at_.keyframe, at_.T_odom_keyframe.inverse() * pose_, is_keyframe,
+          std::move(match)};
 }
 
 // Odometry that says exactly the same again, of a robot that scans have just shown moving, is late:
@@ -124,7 +132,7 @@ void LaserTracker::try_around(const std::vector<SurfacePoint>& points, const Se2
 // Both ends of the step were matched with the same surfaces, each with its own error; odometry
 // holds the directions that these do not show.
 Eigen::Matrix3d LaserTracker::step_information(const PointToLineMatch& match) {
-  const Keyframe& before = keyframes_.back();
+  const LaserKeyframe& before = keyframes_.back();
   const Se2 step = before.T_odom_laser.inverse() * pose_;
   Eigen::Matrix3d surfaces = match.information;
   if (keyframes_.size() > 1) {
@@ -138,16 +146,57 @@ Eigen::Matrix3d LaserTracker::step_information(const PointToLineMatch& match) {
 
 void LaserTracker::add_keyframe(const LaserScan& scan, std::vector<SurfacePoint> points,
                                 const PointToLineMatch& match) {
-  const Eigen::Matrix3d information =
-      keyframes_.empty() ? Eigen::Matrix3d::Zero() : step_information(match);
-  keyframes_.push_back({scan.stamp_ns, pose_, std::move(points), information, match.information});
+  LaserKeyframe keyframe{scan.stamp_ns, pose_, std::move(points), Eigen::Matrix3d::Zero(),
+                         match.information};
+  if (at_.is_known_place) {
+    keyframe.left = way_here(match);
+    keyframe.information = odometry_.information_of_detour(detour_way_);
+    first_after_known_ = keyframes_.size();
+  } else if (!keyframes_.empty()) {
+    keyframe.information = step_information(match);
+  }
+  keyframes_.push_back(std::move(keyframe));
+  if (options_.know_places) places_.add_keyframe(keyframes_.back());
+  at_ = {keyframes_.size() - 1, pose_, false};
+  detour_way_ = 0.0;
+  begin_stretch();
+}
+
+// Surfaces of the place are put where this scan sees them, so its pose in the odometry frame goes
+// on without a jump.
+void LaserTracker::stand_at(const KnownPlace& place) {
+  if (!at_.is_known_place) detour_way_ = way_since_;
+  at_ = {place.keyframe, pose_ * place.T_keyframe_laser.inverse(), true};
+  known_ = moved(at_.T_odom_keyframe, places_.surfaces(place.keyframe));
+  first_after_known_ = keyframes_.size();
+  begin_stretch();
+}
+
+void LaserTracker::begin_stretch() {
+  due_from_ = pose_;
   since_ = Se2();
   way_since_ = 0.0;
   guessed_since_ = false;
-  std::vector<SurfacePoint> all;
-  const std::size_t first =
-      keyframes_.size() - std::min(keyframes_.size(), options_.submap_keyframes);
-  for (std::size_t k = first; k < keyframes_.size(); ++k)
+  renew_submap();
+}
+
+// Odometry holds what no surface has fixed since then.
+LaserLoop LaserTracker::way_here(const PointToLineMatch& match) const {
+  const LaserKeyframe& from = keyframes_[at_.keyframe];
+  Eigen::Matrix3d information =
+      loop_information(match, Eigen::Matrix3d::Zero(), from.match_information, {});
+  if (match.free > 0) information += odometry_.information(blind_way_);
+  return {at_.keyframe, keyframes_.size(), at_.T_odom_keyframe.inverse() * pose_, information};
+}
+
+// The last keyframes, and the known place that they began at.
+void LaserTracker::renew_submap() {
+  const std::size_t newest = keyframes_.size();
+  const std::size_t first = std::max(
+      first_after_known_, newest - std::min(newest, options_.submap_keyframes));
+  if (newest - first_after_known_ >= options_.submap_keyframes) known_.clear();
+  std::vector<SurfacePoint> all = known_;
+  for (std::size_t k = first; k < newest; ++k)
     for (const SurfacePoint& point : moved(keyframes_[k].T_odom_laser, keyframes_[k].points))
       all.push_back(point);
   submap_.emplace(std::move(all), options_.matching.first_reach_m);

@@ -1,12 +1,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <deque>
 #include <functional>
 #include <optional>
 #include <vector>
 
+#include "frontends/laser/known_places.hpp"
+#include "frontends/laser/laser_keyframe.hpp"
 #include "frontends/laser/odometry_noise.hpp"
 #include "frontends/matching/correlative.hpp"
 #include "frontends/matching/point_to_line.hpp"
@@ -39,11 +42,15 @@ struct LaserTrackerOptions {
   double odometry_m = 0.1, odometry_rad = 0.1, least_m = 0.01, least_rad = 0.01;
   OdometryNoise::Prior wheels{};  ///< of what holds directions that no surface does
   MotionGuessOptions guess{};     ///< where scans come without odometry
+  /// Where the robot was before, no keyframes are made. Somebody must close loops then.
+  bool know_places = true;
+  KnownPlaceOptions places{};
 };
 
 struct TrackedScan {
   Se2 T_odom_laser;      ///< in the tracker's own odometry frame
-  std::size_t keyframe;  ///< the newest one, maybe this scan
+  std::size_t keyframe;  ///< the newest one, maybe this scan; or that of a known place
+  Se2 T_keyframe_laser{};
   bool is_keyframe = false;
   PointToLineMatch match;
 };
@@ -52,19 +59,11 @@ struct TrackedScan {
 class LaserTracker {
  public:
   explicit LaserTracker(const LaserTrackerOptions& options = {})
-      : options_(options), odometry_(options.wheels) {}
+      : options_(options), odometry_(options.wheels), places_(options.places) {}
 
   TrackedScan track(const LaserScan& scan);
 
-  struct Keyframe {
-    std::int64_t stamp_ns;
-    Se2 T_odom_laser;
-    std::vector<SurfacePoint> points;  ///< in the laser's frame
-    Eigen::Matrix3d information;       ///< of the pose relative to the keyframe before
-    Eigen::Matrix3d
-        match_information;  ///< of the pose relative to the surfaces it was matched with
-  };
-  [[nodiscard]] const std::deque<Keyframe>& keyframes() const { return keyframes_; }
+  [[nodiscard]] const std::deque<LaserKeyframe>& keyframes() const { return keyframes_; }
 
  private:
   struct Expected {
@@ -82,9 +81,25 @@ class LaserTracker {
   Eigen::Matrix3d step_information(const PointToLineMatch& match);
   void add_keyframe(const LaserScan& scan, std::vector<SurfacePoint> points,
                     const PointToLineMatch& match);
+  void stand_at(const KnownPlace& place);
+  void begin_stretch();
+  [[nodiscard]] LaserLoop way_here(const PointToLineMatch& match) const;
+  void renew_submap();
 
   LaserTrackerOptions options_;
-  std::deque<Keyframe> keyframes_;  ///< references stay valid
+  std::deque<LaserKeyframe> keyframes_;  ///< references stay valid
+  /// What scans are put to: the newest keyframe, or that of the known place.
+  struct Reference {
+    std::size_t keyframe = 0;
+    Se2 T_odom_keyframe{};
+    bool is_known_place = false;
+  };
+  Reference at_;
+  Se2 due_from_;                      ///< where a keyframe was made or was not needed last
+  std::vector<SurfacePoint> known_;   ///< around the last known place, in the odometry frame
+  std::size_t first_after_known_ = 0; ///< keyframe
+  OdometryNoise odometry_;
+  KnownPlaces places_;
   std::optional<PointMap> submap_;
   std::optional<LikelihoodGrid> submap_grid_;  ///< of its points, where it was searched
   std::optional<Se2> wheel_;                   ///< at the last scan
@@ -92,10 +107,11 @@ class LaserTracker {
   Se2 pose_;
   Se2 motion_;         ///< of the last scan against the one before
   bool sees_ = false;  ///< the last scan left no direction free
-  Se2 since_;          ///< the newest keyframe, by prediction alone
+  Se2 since_;          ///< due_from_, by prediction alone
   double way_since_ = 0.0;
   bool guessed_since_ = false;
-  OdometryNoise odometry_;
+  double blind_way_ = 0.0;   ///< since a known place left no direction free
+  double detour_way_ = 0.0;  ///< at known places, since the newest keyframe
 };
 
 }  // namespace cairn

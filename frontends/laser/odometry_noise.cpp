@@ -35,4 +35,10 @@ Eigen::Matrix3d OdometryNoise::information(double way) const {
   return Eigen::Vector3d(1.0 / m, 1.0 / m, 1.0 / rad).asDiagonal();
 }
 
+Eigen::Matrix3d OdometryNoise::information_of_detour(double way) const {
+  const double rad = squares_rad_ / way_ * way + kLeastRad * kLeastRad;
+  const double m = squares_m_ / way_ * way + kLeastM * kLeastM + rad * way * way;
+  return Eigen::Vector3d(1.0 / m, 1.0 / m, 1.0 / rad).asDiagonal();
+}
+
 }  // namespace cairn

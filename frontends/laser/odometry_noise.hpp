@@ -27,6 +27,8 @@ class OdometryNoise {
 
   /// Inverse covariance (m, rad) of odometry over a way.
   [[nodiscard]] Eigen::Matrix3d information(double way) const;
+  /// The same where the heading has drifted all along the way, and led the robot aside.
+  [[nodiscard]] Eigen::Matrix3d information_of_detour(double way) const;
 
  private:
   double squares_m_, squares_rad_, way_;
