@@ -35,7 +35,7 @@ void DriftBound::tie(std::size_t from, std::size_t to, const Se2& T,
   ties_[to].push_back({from, T.inverse(), J * covariance * J.transpose()});
 }
 
-std::vector<PoseSigmas> DriftBound::seen_from(std::size_t keyframe) const {
+std::vector<DriftBound::Seen> DriftBound::paths_from(std::size_t keyframe) const {
   constexpr double kUnseen = std::numeric_limits<double>::infinity();
   struct Reached {
     double variance;
@@ -44,7 +44,7 @@ std::vector<PoseSigmas> DriftBound::seen_from(std::size_t keyframe) const {
       return std::pair(variance, keyframe) > std::pair(other.variance, other.keyframe);
     }
   };
-  std::vector<Eigen::Matrix3d> covariances(ties_.size(), Eigen::Matrix3d::Zero());
+  std::vector<Seen> seen(ties_.size(), {Se2(), Eigen::Matrix3d::Zero()});
   std::vector<double> least(ties_.size(), kUnseen);
   std::priority_queue<Reached, std::vector<Reached>, std::greater<>> open;
   least[keyframe] = 0.0;
@@ -55,18 +55,23 @@ std::vector<PoseSigmas> DriftBound::seen_from(std::size_t keyframe) const {
     if (at.variance > least[at.keyframe]) continue;
     for (const Tie& tie : ties_[at.keyframe]) {
       const Eigen::Matrix3d J = tie.T_from_to.inverse().adjoint();
-      const Eigen::Matrix3d there = J * covariances[at.keyframe] * J.transpose() + tie.covariance;
+      const Eigen::Matrix3d there = J * seen[at.keyframe].covariance * J.transpose() + tie.covariance;
       // Never less than on the way there, so that no path is gone again and again.
       const double variance = std::max(at.variance, worst_variance(there));
       if (variance >= least[tie.to]) continue;
       least[tie.to] = variance;
-      covariances[tie.to] = there;
+      seen[tie.to] = {seen[at.keyframe].T_from_it * tie.T_from_to, there};
       open.push({variance, tie.to});
     }
   }
-  std::vector<PoseSigmas> sigmas(ties_.size());
-  for (std::size_t k = 0; k < ties_.size(); ++k)
-    sigmas[k] = {std::sqrt(worst_variance(covariances[k])), std::sqrt(covariances[k](2, 2))};
+  return seen;
+}
+
+std::vector<PoseSigmas> DriftBound::seen_from(std::size_t keyframe) const {
+  std::vector<PoseSigmas> sigmas;
+  sigmas.reserve(ties_.size());
+  for (const Seen& seen : paths_from(keyframe))
+    sigmas.push_back({std::sqrt(worst_variance(seen.covariance)), std::sqrt(seen.covariance(2, 2))});
   return sigmas;
 }
 

@@ -27,6 +27,13 @@ class DriftBound {
   /// Of each keyframe, seen from one of them.
   [[nodiscard]] std::vector<PoseSigmas> seen_from(std::size_t keyframe) const;
 
+  /// Where the path that gives the least leads.
+  struct Seen {
+    Se2 T_from_it;               ///< from the one that looks
+    Eigen::Matrix3d covariance;  ///< of d in T Exp(d), m and rad
+  };
+  [[nodiscard]] std::vector<Seen> paths_from(std::size_t keyframe) const;
+
  private:
   struct Tie {
     std::size_t to;

@@ -16,12 +16,12 @@ struct KnownPlaceOptions {
   LaserLoopOptions search{.most_candidates = 1, .least_inliers = 0.7};
   /// So many matches in a row that agree with where the one before puts the robot, each as sure as
   /// this, make it known.
-  std::size_t least_agreeing = 20;
+  std::size_t least_agreeing = 10;
   double agree_m = 0.15, agree_rad = 0.05, least_sure_m = 0.1;
   /// A scan is known where so many of its points that have a line are on a surface.
   double least_known = 0.8;
-  /// Of where the one before puts the robot (m, rad): holds what no surface does.
-  Eigen::Matrix3d told = Eigen::Vector3d(1e2, 1e2, 4e2).asDiagonal();
+  /// Covariance of the way from one to the next (m, rad): holds what no surface does.
+  Eigen::Matrix3d told = Eigen::Vector3d(2.5e-3, 2.5e-3, 2.5e-3).asDiagonal();
   double near_m = 1.5, near_rad = 0.7;  ///< how far a keyframe is that may show the place
   std::size_t most_new = 12;            ///< keyframes since the last known place, then it is lost
 };
@@ -49,16 +49,18 @@ class KnownPlaces {
 
  private:
   [[nodiscard]] bool is_known() const { return agreeing_ >= options_.least_agreeing; }
-  void look_around(const Se2& T_odom_newest);
+  void look_around();
+  void stand_at(std::size_t keyframe, const Se2& T_odom_keyframe);
   [[nodiscard]] std::optional<KnownPlace> recognize(const std::vector<SurfacePoint>& points,
                                                     const Se2& T_map_laser) const;
   [[nodiscard]] std::optional<std::size_t> nearest(const Se2& T_map_laser) const;
   [[nodiscard]] bool is_sure(const Eigen::Matrix3d& information) const;
 
   KnownPlaceOptions options_;
-  std::vector<LoopKeyframe> map_;  ///< each in the frame of those around it
+  std::vector<LoopKeyframe> map_;  ///< seen from where the robot is
+  std::vector<DriftBound::Seen> seen_;
   LaserFarLoops loops_;
-  Se2 T_map_odom_;             ///< for what comes now
+  Se2 T_odom_map_, T_odom_newest_;
   std::size_t agreeing_ = 0;   ///< in a row
   std::size_t known_end_ = 0;  ///< keyframes from here on were made since the last known place
 };

@@ -35,6 +35,7 @@ class LaserFarLoops {
   /// Of all keyframes, seen from the newest.
   [[nodiscard]] std::span<const PoseSigmas> sigmas() const { return sigmas_; }
   void add_loops(const std::vector<LaserLoop>& loops);
+  [[nodiscard]] const DriftBound& drift() const { return drift_; }
 
   /// From the newest of `keyframes` to older ones that are not looked for nearby; and what now
   /// agrees with it.
