@@ -55,7 +55,8 @@ std::vector<DriftBound::Seen> DriftBound::paths_from(std::size_t keyframe) const
     if (at.variance > least[at.keyframe]) continue;
     for (const Tie& tie : ties_[at.keyframe]) {
       const Eigen::Matrix3d J = tie.T_from_to.inverse().adjoint();
-      const Eigen::Matrix3d there = J * seen[at.keyframe].covariance * J.transpose() + tie.covariance;
+      const Eigen::Matrix3d there =
+          J * seen[at.keyframe].covariance * J.transpose() + tie.covariance;
       // Never less than on the way there, so that no path is gone again and again.
       const double variance = std::max(at.variance, worst_variance(there));
       if (variance >= least[tie.to]) continue;
@@ -71,7 +72,8 @@ std::vector<PoseSigmas> DriftBound::seen_from(std::size_t keyframe) const {
   std::vector<PoseSigmas> sigmas;
   sigmas.reserve(ties_.size());
   for (const Seen& seen : paths_from(keyframe))
-    sigmas.push_back({std::sqrt(worst_variance(seen.covariance)), std::sqrt(seen.covariance(2, 2))});
+    sigmas.push_back(
+        {std::sqrt(worst_variance(seen.covariance)), std::sqrt(seen.covariance(2, 2))});
   return sigmas;
 }
 

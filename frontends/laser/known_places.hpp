@@ -18,6 +18,8 @@ struct KnownPlaceOptions {
   /// this, make it known.
   std::size_t least_agreeing = 10;
   double agree_m = 0.15, agree_rad = 0.05, least_sure_m = 0.1;
+  /// Those that drift may have moved no further than this are not searched for.
+  double most_beside_m = 0.08;
   /// A scan is known where so many of its points that have a line are on a surface.
   double least_known = 0.8;
   /// Covariance of the way from one to the next (m, rad): holds what no surface does.
@@ -49,12 +51,15 @@ class KnownPlaces {
 
  private:
   [[nodiscard]] bool is_known() const { return agreeing_ >= options_.least_agreeing; }
-  void look_around();
   void stand_at(std::size_t keyframe, const Se2& T_odom_keyframe);
-  [[nodiscard]] std::optional<KnownPlace> recognize(const std::vector<SurfacePoint>& points,
-                                                    const Se2& T_map_laser) const;
-  [[nodiscard]] std::optional<std::size_t> nearest(const Se2& T_map_laser) const;
-  [[nodiscard]] bool is_sure(const Eigen::Matrix3d& information) const;
+  void look_around();
+  std::optional<SubmapMatch> search(std::optional<std::size_t> nearest);
+  [[nodiscard]] std::optional<SubmapMatch> match(std::size_t at,
+                                                 const std::vector<SurfacePoint>& points,
+                                                 const Se2& T_map_laser) const;
+  /// Of those before `end`.
+  [[nodiscard]] std::optional<std::size_t> nearest(const Se2& T_map_laser, std::size_t end) const;
+  [[nodiscard]] bool is_sure(const SubmapMatch& match) const;
 
   KnownPlaceOptions options_;
   std::vector<LoopKeyframe> map_;  ///< seen from where the robot is

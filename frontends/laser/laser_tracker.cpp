@@ -192,8 +192,8 @@ LaserLoop LaserTracker::way_here(const PointToLineMatch& match) const {
 // The last keyframes, and the known place that they began at.
 void LaserTracker::renew_submap() {
   const std::size_t newest = keyframes_.size();
-  const std::size_t first = std::max(
-      first_after_known_, newest - std::min(newest, options_.submap_keyframes));
+  const std::size_t first =
+      std::max(first_after_known_, newest - std::min(newest, options_.submap_keyframes));
   if (newest - first_after_known_ >= options_.submap_keyframes) known_.clear();
   std::vector<SurfacePoint> all = known_;
   for (std::size_t k = first; k < newest; ++k)

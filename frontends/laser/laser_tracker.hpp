@@ -95,9 +95,9 @@ class LaserTracker {
     bool is_known_place = false;
   };
   Reference at_;
-  Se2 due_from_;                      ///< where a keyframe was made or was not needed last
-  std::vector<SurfacePoint> known_;   ///< around the last known place, in the odometry frame
-  std::size_t first_after_known_ = 0; ///< keyframe
+  Se2 due_from_;                       ///< where a keyframe was made or was not needed last
+  std::vector<SurfacePoint> known_;    ///< around the last known place, in the odometry frame
+  std::size_t first_after_known_ = 0;  ///< keyframe
   OdometryNoise odometry_;
   KnownPlaces places_;
   std::optional<PointMap> submap_;

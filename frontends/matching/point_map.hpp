@@ -24,10 +24,7 @@ class PointMap {
   [[nodiscard]] double reach_m() const { return reach_; }
 
  private:
-  [[nodiscard]] int column(double x) const;
-  [[nodiscard]] int row(double y) const;
-
-  double reach_;
+  double reach_, cell_;
   Eigen::Vector2d origin_ = Eigen::Vector2d::Zero();
   int columns_ = 0, rows_ = 0;
   std::vector<std::uint32_t> begin_;  ///< by cell, into points_
