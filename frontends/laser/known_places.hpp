@@ -13,7 +13,9 @@ namespace cairn {
 
 struct KnownPlaceOptions {
   /// While the robot is not known to be where it was before: matched as for loops.
-  LaserLoopOptions search{.most_candidates = 1, .least_inliers = 0.7};
+  LaserLoopOptions search{.least_inliers = 0.7};
+  LaserFarOptions far{.search{
+      .most_candidates = 1, .window = {1.5, 1.5, 0.5}, .least_score = 0.55, .least_inliers = 0.7}};
   /// So many matches in a row that agree with where the one before puts the robot, each as sure as
   /// this, make it known.
   std::size_t least_agreeing = 10;
@@ -35,11 +37,12 @@ struct KnownPlace {
 };
 
 /// Whether a robot is where it was before, so that its scans need no keyframes. Keyframes keep the
-/// place where they were made, relative to those before: no map is optimized here, so that the same
-/// log gives the same keyframes. One thread.
+/// place where they were made, relative to those before, and places are where the surest path to
+/// them leads: no map is optimized here, so that the same log gives the same keyframes. One thread.
 class KnownPlaces {
  public:
-  explicit KnownPlaces(const KnownPlaceOptions& options = {}) : options_(options) {}
+  explicit KnownPlaces(const KnownPlaceOptions& options = {})
+      : options_(options), loops_(options.far) {}
 
   /// The newest one. Its points must stay.
   void add_keyframe(const LaserKeyframe& keyframe);

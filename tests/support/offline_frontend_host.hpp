@@ -17,7 +17,7 @@ namespace cairn::test {
 /// A host without a daemon: what comes is in a map at once, which is settled now and then.
 class OfflineFrontendHost final : public FrontendContext {
  public:
-  [[nodiscard]] FrontendRoles roles() const override { return {}; }
+  [[nodiscard]] FrontendRoles roles() const override { return asked; }
   [[nodiscard]] const std::string& robot() const override { return robot_; }
   [[nodiscard]] std::uint64_t epoch() const override { return 1; }
   [[nodiscard]] std::uint64_t keyframes_before() const override { return before; }
@@ -64,6 +64,7 @@ class OfflineFrontendHost final : public FrontendContext {
     return poses;
   }
 
+  FrontendRoles asked;
   std::uint64_t before = 0;
   std::size_t keyframes = 0, loops = 0;
   std::vector<LocalizedFrame> frames;
