@@ -49,7 +49,8 @@ TrackedScan LaserTracker::track(const LaserScan& scan) {
   const Se2 since = due_from_.inverse() * pose_;
   const bool is_due = since.translation().norm() >= options_.keyframe_distance_m ||
                       std::abs(since.theta()) >= options_.keyframe_angle_rad;
-  const auto place = is_due && options_.know_places ? places_.find(points, pose_) : std::nullopt;
+  const auto place =
+      is_due && options_.know_places && wheel_ ? places_.find(points, pose_) : std::nullopt;
   if (place) stand_at(*place);
   const bool is_keyframe = is_due && !place;
   if (is_keyframe) add_keyframe(scan, std::move(points), match);
